@@ -1,13 +1,13 @@
 """Typed, read-only state of one arena in the world frame, for people, rendering and the service view."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
+from typing import NamedTuple
 
 from catch_arena.messages import Pose, Turtle, TurtleArray
 from catch_arena.verdicts import Ruling
 
 
-@dataclass(frozen=True, slots=True)
-class HunterState:
+class HunterState(NamedTuple):
     """State of one hunter, in m, m/s, rad/s; theta in rad in [-pi, pi)."""
 
     name: str
@@ -19,14 +19,14 @@ class HunterState:
     """Signed velocity after R2.5's limits; a wall does not reduce it, as in turtlesim."""
     angular_velocity: float
     score: int
+    team: int
+    """R11.1: index of the hunter's team in the config's `team_seats`; without teams, its seat."""
     active_target: str | None = None
     """Name of the target chosen for the hosted controller, or asked for under full control; None without one."""
     at_wall: bool = False
     """R2.3: true if the hunter was clamped to the arena during the last step."""
     withdrawn: bool = False
     """R1.6, R1.7: true if the hunter takes no further part."""
-    team: int = field(kw_only=True)
-    """R11.1: index of the hunter's team in the config's `team_seats`; without teams, its seat."""
 
     @property
     def pose(self) -> Pose:
@@ -34,8 +34,7 @@ class HunterState:
         return Pose(self.x, self.y, self.theta, abs(self.linear_velocity), self.angular_velocity)
 
 
-@dataclass(frozen=True, slots=True)
-class TargetState:
+class TargetState(NamedTuple):
     """State of one alive target, in m, m/s, rad/s; theta in rad in [0, 2 pi) (R3.2), or [-pi, pi) if targets move."""
 
     name: str
@@ -54,8 +53,7 @@ class TargetState:
     """R12.1: name of the prey that plays the target; None if no prey does."""
 
 
-@dataclass(frozen=True, slots=True)
-class PreyState:
+class PreyState(NamedTuple):
     """State of one prey; its pose and velocities are those of its target."""
 
     name: str

@@ -17,7 +17,6 @@ def row_of(offset: int) -> int:
 
 RULING: Final = slice(row_of(state.RULING[0]), row_of(state.RULING[-1]) + 1)
 """Rows of a hunter's answer."""
-_HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
 
 
 class ChunkViews:
@@ -49,6 +48,14 @@ class ChunkViews:
         digest = state.MOVING_TARGET_DIGEST if config.targets_move else state.TARGET_DIGEST
         self.target_digest = [row_of(offset) for offset in digest]
         """A.8: rows of a slot that the digest reads, in its order."""
+        seats = first_hunter + state.HUNTER_ROWS * np.arange(hunters)
+        slots = first_target + slot * np.arange(config.max_targets)
+        of_hunters = np.add.outer(seats, [row_of(offset) for offset in state.HUNTER_DIGEST])
+        of_targets = np.add.outer(slots, self.target_digest)
+        self._digest_rows = np.concatenate(
+            (np.arange(state.ARENA_DIGEST_ROWS), of_hunters.reshape(-1), of_targets.reshape(-1))
+        )
+        self._rows_before_targets = len(self._digest_rows) - of_targets.size
 
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
         """Return one arena's hunters: (H, HUNTER_ROWS)."""
@@ -86,12 +93,10 @@ class ChunkViews:
         chunk, lane = divmod(arena, LANES)
         own = self.fields[chunk, :, lane]
         alive = int(own[row_of(state.ALIVE)])
-        numbers = [
-            own[: state.ARENA_DIGEST_ROWS],
-            self.hunters[chunk, :, _HUNTER_DIGEST, lane].T.reshape(-1),
-            self.targets[chunk, :alive, self.target_digest, lane].T.reshape(-1),
+        numbers: NDArray[np.float64] = own[
+            self._digest_rows[: self._rows_before_targets + alive * len(self.target_digest)]
         ]
-        if self.prey.size:
-            times = self.prey_rows(arena)[:, [row_of(state.TIMES_CAUGHT), row_of(state.CAUGHT_AT)]]
-            numbers.append(np.column_stack((self.prey_numbers(arena), times)).reshape(-1))
-        return np.concatenate(numbers)
+        if not self.prey.size:
+            return numbers
+        times = self.prey_rows(arena)[:, [row_of(state.TIMES_CAUGHT), row_of(state.CAUGHT_AT)]]
+        return np.concatenate((numbers, np.column_stack((self.prey_numbers(arena), times)).reshape(-1)))

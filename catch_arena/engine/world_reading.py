@@ -1,5 +1,7 @@
 """Reading of an arena's memory for people: its World, and the rulings of its last step."""
 
+from typing import Final
+
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
 from catch_arena.core.state import LANES
@@ -7,13 +9,31 @@ from catch_arena.engine.chunk_views import RULING, ChunkViews, row_of
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, PreyState, TargetState, World
 
+_HUNTER: Final = [
+    row_of(offset)
+    for offset in (
+        state.X,
+        state.Y,
+        state.THETA,
+        state.SPEED,
+        state.TURN_RATE,
+        state.SCORE,
+        state.ACTIVE,
+        state.AT_WALL,
+        state.WITHDRAWN,
+    )
+]
+"""Rows of a hunter that its HunterState has."""
+
 
 def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
     """Return one arena as a World, with names."""
     chunk, lane = divmod(arena, LANES)
-    own = views.fields[chunk, : state.ARENA_ROWS, lane]
+    own = views.fields[chunk, : state.ARENA_ROWS, lane].tolist()
     alive = int(own[row_of(state.ALIVE)])
-    prey, players = _prey_states(config, views, arena)
+    prey, players = _prey_states(config, views, arena) if config.prey else ((), {})
+    hunters = zip(config.hunter_names, config.team_by_seat, views.hunter_rows(arena)[:, _HUNTER].tolist(), strict=True)
+    targets = views.targets[chunk, :alive, views.target_digest, lane].T.tolist()
     return World(
         time_ms=int(own[row_of(state.TIME)]),
         step=int(own[row_of(state.STEP)]),
@@ -21,20 +41,18 @@ def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
         hunters=tuple(
             HunterState(
                 name=name,
-                x=me[row_of(state.X)],
-                y=me[row_of(state.Y)],
-                theta=me[row_of(state.THETA)],
-                linear_velocity=me[row_of(state.SPEED)],
-                angular_velocity=me[row_of(state.TURN_RATE)],
-                score=int(me[row_of(state.SCORE)]),
-                active_target=config.target_name(int(me[row_of(state.ACTIVE)])) if me[row_of(state.ACTIVE)] else None,
-                at_wall=me[row_of(state.AT_WALL)] > 0,
-                withdrawn=me[row_of(state.WITHDRAWN)] > 0,
+                x=x,
+                y=y,
+                theta=theta,
+                linear_velocity=speed,
+                angular_velocity=turn_rate,
+                score=int(score),
+                active_target=config.target_name(int(active)) if active else None,
+                at_wall=at_wall > 0,
+                withdrawn=withdrawn > 0,
                 team=team,
             )
-            for name, team, me in zip(
-                config.hunter_names, config.team_by_seat, views.hunter_rows(arena).tolist(), strict=True
-            )
+            for name, team, (x, y, theta, speed, turn_rate, score, active, at_wall, withdrawn) in hunters
         ),
         targets=tuple(
             TargetState(
@@ -49,9 +67,7 @@ def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
                 at_wall=bool(motion and motion[2]),
                 prey=players.get(slot),
             )
-            for slot, (number, x, y, theta, appeared, *motion) in enumerate(
-                views.targets[chunk, :alive, views.target_digest, lane].T.tolist()
-            )
+            for slot, (number, x, y, theta, appeared, *motion) in enumerate(targets)
         ),
         rulings=read_rulings(config, views, arena),
         spawned=int(own[row_of(state.SPAWNED)]),

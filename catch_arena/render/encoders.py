@@ -114,6 +114,7 @@ class VideoFile:
         self._stream.pix_fmt = self._pixel_format
         context = self._stream.codec_context
         context.time_base = self._time_base
+        context.thread_type = "FRAME"  # encode on other cores while the next frames are drawn
         context.gop_size = 2 * fps  # players jump to these frames
         if self._pixel_format == "yuv420p":
             context.colorspace, context.color_range = _BT601, _LIMITED

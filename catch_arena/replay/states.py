@@ -5,6 +5,7 @@ bodies as differences from R2.2's motion, which are almost 0, and the numbers of
 """
 
 from collections.abc import Sequence
+from functools import cache
 from io import BytesIO
 from typing import Any, Final, NamedTuple, cast
 
@@ -96,11 +97,17 @@ def parts_of(state: QuantisedState, config: ArenaConfig) -> StateParts:
 
 def quantise(state: NDArray[np.float64], config: ArenaConfig) -> QuantisedState:
     """Return a state of `Engine.state()` in quantised form."""
-    scale = np.ones_like(state)
-    tables = (ARENA, HUNTER, target_numbers(config), PREY)
-    for part, numbers in zip(parts_of(scale, config), tables, strict=True):  # type: ignore[arg-type]
-        part[:, [unit in MICRO for unit in numbers.values()]] = 1_000_000
-    return _rounded(scale * state)
+    return _rounded(_scale(config.hunters, config.prey, len(state), moving=config.targets_move) * state)
+
+
+@cache
+def _scale(hunters: int, prey: int, length: int, *, moving: bool) -> NDArray[np.float64]:
+    """Return the factor of each number of a state of this length."""
+    target = _MOVING_TARGET if moving else _STILL_TARGET
+    others = [*ARENA.values(), *hunters * [*HUNTER.values()]], [*prey * [*PREY.values()]]
+    alive = (length - sum(map(len, others))) // len(target)
+    units = [*others[0], *alive * [*target.values()], *others[1]]
+    return np.where([unit in MICRO for unit in units], 1_000_000.0, 1.0)
 
 
 def state_length(config: ArenaConfig) -> int:

@@ -91,5 +91,5 @@ def test_who_is_out_already_is_refused_in_silence_and_in_the_step_in_which_it_le
     before, after = a_world(step=4), a_world(refused)
     (refusal,) = annotations_of(before, after)
     assert (refusal.kind, refusal.seat, refusal.text) == ("refused", 1, "hunter inactive")
-    out = dataclasses.replace(before.hunters[1], withdrawn=True)
+    out = before.hunters[1]._replace(withdrawn=True)
     assert annotations_of(dataclasses.replace(before, hunters=(before.hunters[0], out)), after) == ()

@@ -22,7 +22,7 @@ def test_everybody_is_drawn_once_hunters_above_targets_and_numbers_above_both():
 
 def test_a_withdrawn_hunter_is_faded_and_reaches_for_nothing():
     world = a_world()
-    gone = dataclasses.replace(world.hunters[1], withdrawn=True)
+    gone = world.hunters[1]._replace(withdrawn=True)
     shapes = shapes_of(dataclasses.replace(world, hunters=(world.hunters[0], gone)))
     assert [turtle.faded for turtle in kinds(shapes, Turtle)] == [False, False, False, True]
     assert len([ring for ring in kinds(shapes, Ring) if ring.veil]) == 1
@@ -37,6 +37,6 @@ def test_each_hunters_circle_is_its_own_reach():
 
 def test_who_sees_everything_or_is_withdrawn_has_no_view_to_show():
     world = a_world()
-    gone = dataclasses.replace(world, hunters=(world.hunters[0], dataclasses.replace(world.hunters[1], withdrawn=True)))
+    gone = dataclasses.replace(world, hunters=(world.hunters[0], world.hunters[1]._replace(withdrawn=True)))
     assert not kinds(shapes_of(world, view_of=1), Sector)
     assert not kinds(shapes_of(gone, view_of=1, view_radius_m=2.0), Sector)
