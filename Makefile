@@ -28,7 +28,7 @@ help: ## list the targets
 compat: $(VENV)/ready ## train with each supported library, in an environment of its own (gigabytes; docs/reference/compatibility.md)
 	$(BIN)/python scripts/compat.py $(CLIENTS)
 
-demo: $(VENV)/ready ## play a tournament of seven agents; make its report, a video of the final, and the best moments (out/demo)
+demo: $(VENV)/ready ## play a tournament of six agents; make its report, a video of the final, and the best moments (out/demo)
 	rm -rf out/demo
 	$(BIN)/python scripts/demo.py --out out/demo
 
@@ -141,19 +141,21 @@ $(BIN)/uv:
 		{ echo "Catch Arena needs Python 3.10 to 3.13; name one: make PYTHON=python3.11 $(MAKECMDGOALS)"; exit 1; }
 	@$(PYTHON) -m venv $(VENV) > /dev/null || \
 		{ rm -rf $(VENV); echo "cannot make $(VENV); on Debian and Ubuntu: apt-get install python3-venv"; exit 1; }
-	@$(PIP) --upgrade pip uv
+	@$(PIP) uv
 
 $(VENV)/ready: pyproject.toml | $(BIN)/uv
 	@$(UV) --editable '.[video]'
 	@touch $@
 
 $(VENV)/ready-bench: $(VENV)/ready
+	@$(PIP) --upgrade pip
 	@$(PIP) --editable '.[bench]' || echo "not all peers could be installed; the run names those that are missing"
 	@touch $@
 
 # Only pip finds a build of torch without CUDA on a machine that has one.
 $(VENV)/ready-torch: $(VENV)/ready
 	@echo "installing torch (3 GB)"
+	@$(PIP) --upgrade pip
 	@$(PIP) --group torch
 	@touch $@
 

@@ -1,4 +1,4 @@
-"""Play a tournament of seven shipped agents and a final of the best four. out/demo gets a report, a video of the final,
+"""Play a tournament of six shipped agents and a final of the best four. out/demo gets a report, a video of the final,
 and the best moments of all matches. Each step is a command of `catch-arena`, which is printed when it starts.
 """
 
@@ -19,10 +19,10 @@ from typing import Final
 
 import typer
 
-FIELD: Final = ("patrol", "contested_by_time", "contested", "nearest", "first", "random", "idle")
+FIELD: Final = ("patrol", "contested_by_time", "contested", "nearest", "first", "random")
 """Agents that play; a fixed list, so that new agents do not change the demo."""
 SEED: Final = 7
-PICTURE: Final = ("--size", "1280x720", "--fps", "30")
+PICTURE: Final = ("--size", "1024x576", "--fps", "30")
 
 
 def has_desktop() -> bool:

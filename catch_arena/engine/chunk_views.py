@@ -31,6 +31,7 @@ class ChunkViews:
     def __init__(self, config: ArenaConfig, regions: Regions, chunks: NDArray[np.float64]) -> None:
         hunters, prey = config.hunters, config.prey
         num_chunks, num_rows = len(chunks), row_of(regions.end)
+        self.hunter_names, self.team_by_seat = config.hunter_names, config.team_by_seat
         slot = slot_rows(config.targets_move)
         first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
         self.fields = chunks.reshape(num_chunks, num_rows, LANES)

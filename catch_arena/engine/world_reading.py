@@ -32,7 +32,7 @@ def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
     own = views.fields[chunk, : state.ARENA_ROWS, lane].tolist()
     alive = int(own[row_of(state.ALIVE)])
     prey, players = _prey_states(config, views, arena) if config.prey else ((), {})
-    hunters = zip(config.hunter_names, config.team_by_seat, views.hunter_rows(arena)[:, _HUNTER].tolist(), strict=True)
+    hunters = zip(views.hunter_names, views.team_by_seat, views.hunter_rows(arena)[:, _HUNTER].tolist(), strict=True)
     targets = views.targets[chunk, :alive, views.target_digest, lane].T.tolist()
     return World(
         time_ms=int(own[row_of(state.TIME)]),
@@ -79,8 +79,7 @@ def read_rulings(config: ArenaConfig, views: ChunkViews, arena: int) -> tuple[Ru
     """R5.6: return the verdicts of one arena's last step with their evidence, by seat."""
     found = []
     steps = int(views.fields[arena // LANES, row_of(state.STEP), arena % LANES])
-    for seat, me in enumerate(views.hunter_rows(arena).tolist()):
-        number, verdict, distance, winner = me[RULING]
+    for seat, (number, verdict, distance, winner) in enumerate(views.hunter_rows(arena)[:, RULING].tolist()):
         if verdict == NO_REQUEST:
             continue
         step = steps if verdict == Verdict.MATCH_OVER else steps - 1
