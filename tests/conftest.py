@@ -3,6 +3,7 @@
 import math
 import os
 import signal
+import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -58,11 +59,11 @@ def _no_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.hookimpl(optionalhook=True, tryfirst=True)
 def pytest_xdist_setupnodes() -> None:
-    """Compile the rules once, before each of several processes would."""
-    from catch_arena.config import ArenaConfig
-    from catch_arena.engine import Engine
-
-    Engine(ArenaConfig())
+    """Compile the rules once, in two processes, before each process of the tests would."""
+    program = "from catch_arena import ArenaConfig, Engine\nfor n in (1, 2): Engine(ArenaConfig(), n, any_control={})"
+    compilers = [subprocess.Popen([sys.executable, "-c", program.format(options)]) for options in (False, True)]
+    for compiler in compilers:
+        assert compiler.wait() == 0, "the rules cannot be compiled"
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -27,7 +27,7 @@ def kit(tmp_path, monkeypatch):
     return tmp_path / "turtle-eater"
 
 
-def test_a_new_agent_is_fit_to_play_and_passes_strict_checks(kit):
+def test_a_new_agent_is_fit_to_play_and_passes_every_rule_of_ruff(kit):
     assert (kit / "README.md").read_text().startswith("# turtle-eater\n")
     assert len((kit / "README.md").read_text().splitlines()) == 10
     fit = run("check-agent", ".", "--scenario", "duel")
@@ -36,7 +36,6 @@ def test_a_new_agent_is_fit_to_play_and_passes_strict_checks(kit):
     for command in (
         ["ruff", "check", "--isolated", "--select", "ALL", "--ignore", "D203,D213,COM812,INP001,PT009,CPY001", "."],
         ["ruff", "format", "--isolated", "--check", "."],
-        ["mypy", "--strict", "."],
     ):
         done = subprocess.run([BIN / command[0], *command[1:]], capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout
