@@ -11,13 +11,6 @@ import catch_arena
 PACKAGE = Path(catch_arena.__file__).parent
 ROOT = PACKAGE.parent
 PACKAGES = sorted(path.parent for path in PACKAGE.glob("*/**/__init__.py") if path.parent.name != "agents")
-DOCSTRINGS = {
-    f"{path.relative_to(PACKAGE)}:{node.lineno}": node.value.value.strip()
-    for path in sorted(PACKAGE.rglob("*.py"))
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
-    if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
-}
-"""The docstrings of the package, of attributes too, by their places."""
 CLAUSES = re.compile(r"^([RA]\d*\.\d+('s)?(, | to | and |: ))+")
 """Clause numbers, which may stand before a summary."""
 FIRST_WORDS = "What|Of|How|Whether|Where|Who|Whose|That|Those|It|Its|This|These|And|As|Likewise|The same"
@@ -37,9 +30,16 @@ def test_texts_have_no_words_that_have_a_plainer_one(name):
 
 
 def test_every_docstring_can_be_read_alone_and_has_its_sections_on_lines_of_their_own():
-    assert [place for place, text in DOCSTRINGS.items() if NO_BEGINNING.match(CLAUSES.sub("", text))] == []
+    """Those of attributes too."""
+    docstrings = {
+        f"{path.relative_to(PACKAGE)}:{node.lineno}": node.value.value.strip()
+        for path in sorted(PACKAGE.rglob("*.py"))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+    }
+    assert [place for place, text in docstrings.items() if NO_BEGINNING.match(CLAUSES.sub("", text))] == []
     section = re.compile(r"\b(Args|Returns|Raises|Yields):(?!$)", re.MULTILINE)
-    assert [place for place, text in DOCSTRINGS.items() if section.search(text)] == []
+    assert [place for place, text in docstrings.items() if section.search(text)] == []
 
 
 @pytest.mark.parametrize("package", PACKAGES, ids=lambda package: package.name)

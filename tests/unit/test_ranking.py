@@ -100,7 +100,7 @@ def test_r7_1_rivals_come_in_the_order_in_which_python_sorts_them(hunters, width
     positions, flags = np.zeros(2 * MOST * len(WIDE)), np.zeros(LANES)
     keys = np.zeros(MOST * LANES, np.int32)  # what one leaves there another finds
     tied = 0
-    for _ in range(20 if lanes > 1 else 100):
+    for _ in range(160 // hunters if lanes > 1 else 400 // hunters):
         looks = rng.integers(0, 2, (hunters, len(LOOKS), LANES)).astype(float)
         looks[:, :2] *= rng.integers(0, 3, (hunters, 2, LANES))
         chunk = a_chunk(hunters, looks)
