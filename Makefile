@@ -32,9 +32,9 @@ demo: $(VENV)/ready ## play a tournament of six agents; make its report, a video
 	rm -rf out/demo
 	$(BIN)/python scripts/demo.py --out out/demo
 
-# A third of the time is waiting for processes and clocks, so that two cores have room for three processes.
+# A third of the time is waiting for processes and clocks, so that two cores have room for four processes.
 test: $(VENV)/ready-dev ## run the usual tests
-	$(BIN)/pytest $(WORKERS) --numprocesses 3 -m '$(USUAL)' tests
+	$(BIN)/pytest $(WORKERS) --numprocesses 4 -m '$(USUAL)' tests
 
 quick: $(VENV)/ready-dev ## run the tests of the rules and the interfaces in a minute, before each commit
 	$(BIN)/pytest $(WORKERS) -m '$(USUAL)' $(QUICK)
