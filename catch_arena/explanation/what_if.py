@@ -18,7 +18,7 @@ from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Claim, Contest
 from catch_arena.explanation.formatting import seconds, short_length
 from catch_arena.explanation.match_summary import explain
-from catch_arena.explanation.seats import find_subjects
+from catch_arena.explanation.seats import find_subjects, labels, prey_labels
 from catch_arena.explanation.sentences import listed
 from catch_arena.explanation.step_explanation import step_at
 from catch_arena.replay import Replay
@@ -105,18 +105,15 @@ def what_if(
         ConfigError: for a contest that is not of this match, and a hunter that did not lose it.
         ReplayError: if the match does not play as recorded.
     """
-    match = explain(replay)
     require_type("contest", contest, Contest, "lost_contest_at(replay, at_s)")
     claims = _lost(replay, contest, hunter)
     if not claims:
         loser = "a hunter" if hunter is None else hunter
         got = f"the one for {contest.target} at {seconds(contest.judged_ms)}"
         raise ConfigError(f"contest must be one that {loser} lost, got {got}")
-    if contest not in match.contests:
-        raise ConfigError(f"contest must be one of explain(replay).contests, got {contest}")
-    target = match.prey_by_target.get(contest.target, contest.target)
-    search = _Search(replay, contest, claims[0].seat, target)
-    win, name = search.find(progress), match.names[search.seat]
+    search = _Search(replay, contest, claims[0].seat)
+    target = search.target
+    win, name = search.find(progress), labels(replay.hunter_names)[search.seat]
     if win is None:
         by_lot = (
             " Lots decide under first_come (R5.9), and no action changes a lot." if contest.clause == "R5.9" else ""
@@ -181,12 +178,14 @@ class _Search:
         replay: the recorded match.
         contest: the contest.
         seat: the hunter.
-        target: the label of the contested target.
+
+    Raises:
+        ConfigError: the contest is not of this match.
     """
 
-    def __init__(self, replay: Replay, contest: Contest, seat: int, target: str) -> None:
+    def __init__(self, replay: Replay, contest: Contest, seat: int) -> None:
         config = replay.config
-        self._replay, self._contest, self.seat, self._target = replay, contest, seat, target
+        self._replay, self._contest, self.seat = replay, contest, seat
         self._period_ms = config.control_period_ms
         self._control = config.controls[seat]
         self._number = int(contest.target.removeprefix(config.name_prefix))
@@ -195,8 +194,17 @@ class _Search:
         self._first = max(0, self._judged - _WINDOW_MS // self._period_ms)
         self.tried = 0
         window = range(max(0, self._first - 1), contest.step)
-        states = islice(replay.checked_engines(), contest.step)
-        self._starts = {step: engine.save_row(0) for step, engine in enumerate(states) if step in window}
+        self._starts, worlds = {}, []
+        for step, engine in enumerate(islice(replay.checked_engines(), max(0, contest.step + 1))):
+            if step in window:
+                self._starts[step] = engine.save_row(0)
+            if step >= self._judged:
+                worlds.append(engine.world())
+        if len(worlds) < 2 or contest not in contests_of(replay, worlds[1]):
+            raise ConfigError(f"contest must be one of explain(replay).contests, got {contest}")
+        players = zip(worlds[0].prey, prey_labels(replay), strict=True)
+        self.target = next((label for prey, label in players if prey.target == contest.target), contest.target)
+        """Label of the contested target, or of the prey that plays it."""
         self._goals: dict[int, int] = {}
         for step in window:
             active = int(self._hunters(step + 1)[seat, ACTIVE_TARGET])
@@ -349,7 +357,7 @@ class _Search:
         begin, end, length = (seconds(steps * self._period_ms) for steps in (run.start, run.stop, len(run)))
         if self._control == "target":
             if self.is_earlier(win):
-                return f"{length} earlier: head for {self._target} at {begin} instead of {end}"
+                return f"{length} earlier: head for {self.target} at {begin} instead of {end}"
             new = f"head for {self._called(change.goal)}" if change.goal else "hold"
             former = dict.fromkeys(self._goals[step] for step in run)
             old = listed(f"heading for {self._called(goal)}" if goal > 0 else "holding" for goal in former)
@@ -374,11 +382,11 @@ class _Search:
             new, old = _distinct(abs(rate), abs(turn))
             parts.append(f"turn {_turn(rate, new)} instead of {_turn(turn, old)}{average}")
         if change.goal is not None:
-            parts.append(f"request {self._target}")
+            parts.append(f"request {self.target}")
         return f"For {length} from {begin}: {listed(parts)}"
 
     def _called(self, number: int) -> str:
-        return self._target if number == self._number else self._replay.config.target_name(number)
+        return self.target if number == self._number else self._replay.config.target_name(number)
 
 
 def _distinct(new: float, old: float) -> tuple[str, str]:
