@@ -31,30 +31,27 @@ def agent_by_agent(env: object) -> int:
     return turns
 
 
+PLAIN = ["agent_indicator_v0", "flatten_v0", "nan_random_v0", "pad_action_space_v0", "pad_observations_v0"]
 WRAPPERS = {
-    "agent_indicator_v0": lambda env: supersuit.agent_indicator_v0(env),
+    **{name: getattr(supersuit, name) for name in PLAIN},
     "clip_reward_v0": lambda env: supersuit.clip_reward_v0(env, -1, 1),
     "delay_observations_v0": lambda env: supersuit.delay_observations_v0(env, 2),
     "dtype_v0": lambda env: supersuit.dtype_v0(env, np.float64),
-    "flatten_v0": lambda env: supersuit.flatten_v0(env),
     "frame_skip_v0": lambda env: supersuit.frame_skip_v0(env, 3),
     "frame_stack_v1": lambda env: supersuit.frame_stack_v1(env, 3),
     "max_observation_v0": lambda env: supersuit.max_observation_v0(env, 2),
     "nan_noop_v0": lambda env: supersuit.nan_noop_v0(env, 0),
-    "nan_random_v0": lambda env: supersuit.nan_random_v0(env),
     "normalize_obs_v0": lambda env: supersuit.normalize_obs_v0(env, env_min=0, env_max=1),
     "observation_lambda_v0": lambda env: supersuit.observation_lambda_v0(env, lambda seen, _space: seen * 0.5),
-    "pad_action_space_v0": lambda env: supersuit.pad_action_space_v0(env),
-    "pad_observations_v0": lambda env: supersuit.pad_observations_v0(env),
     "reshape_v0": lambda env: supersuit.reshape_v0(env, (*env.observation_space("hunter_0").shape, 1)),
     "reward_lambda_v0": lambda env: supersuit.reward_lambda_v0(env, lambda reward: reward - 0.01),
     "scale_actions_v0": lambda env: supersuit.scale_actions_v0(env, 0.5),
     "sticky_actions_v0": lambda env: supersuit.sticky_actions_v0(env, 0.25),
 }
 DRIVEN = {
-    "clip_actions_v0": lambda env: supersuit.clip_actions_v0(env),
+    "clip_actions_v0": supersuit.clip_actions_v0,
     "scale_actions_v0": WRAPPERS.pop("scale_actions_v0"),
-    "nan_zeros_v0": lambda env: supersuit.nan_zeros_v0(env),
+    "nan_zeros_v0": supersuit.nan_zeros_v0,
 }
 
 failed = {}
