@@ -115,7 +115,7 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
         return {key: getattr(self, key) for key in DEFAULTS}
 
     def arguments(self) -> dict[str, Any]:
-        """Return the keyword arguments of `arbitrate`, in new containers.
+        """Return the keyword arguments of `arbitrate`, in new containers, since the code under test may change them.
 
         Those of R5.10 are given only to cases about it, so that an arbiter without them can play all others.
         """

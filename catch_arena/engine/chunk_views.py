@@ -32,6 +32,7 @@ class ChunkViews:
         hunters, prey = config.hunters, config.prey
         num_chunks, num_rows = len(chunks), row_of(regions.end)
         self.hunter_names, self.team_by_seat = config.hunter_names, config.team_by_seat
+        """Those of the config, which makes them again for every reader."""
         slot = slot_rows(config.targets_move)
         first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
         self.fields = chunks.reshape(num_chunks, num_rows, LANES)
@@ -56,6 +57,7 @@ class ChunkViews:
         self._digest_rows = np.concatenate(
             (np.arange(state.ARENA_DIGEST_ROWS), of_hunters.reshape(-1), of_targets.reshape(-1))
         )
+        """A.8: rows that the digest reads before those of prey, in its order, if every slot has a target."""
         self._rows_before_targets = len(self._digest_rows) - of_targets.size
 
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
@@ -94,9 +96,8 @@ class ChunkViews:
         chunk, lane = divmod(arena, LANES)
         own = self.fields[chunk, :, lane]
         alive = int(own[row_of(state.ALIVE)])
-        numbers: NDArray[np.float64] = own[
-            self._digest_rows[: self._rows_before_targets + alive * len(self.target_digest)]
-        ]
+        rows = self._digest_rows[: self._rows_before_targets + alive * len(self.target_digest)]
+        numbers: NDArray[np.float64] = own[rows]
         if not self.prey.size:
             return numbers
         times = self.prey_rows(arena)[:, [row_of(state.TIMES_CAUGHT), row_of(state.CAUGHT_AT)]]

@@ -103,11 +103,10 @@ def quantise(state: NDArray[np.float64], config: ArenaConfig) -> QuantisedState:
 @cache
 def _scale(hunters: int, prey: int, length: int, *, moving: bool) -> NDArray[np.float64]:
     """Return the factor of each number of a state of this length."""
-    target = _MOVING_TARGET if moving else _STILL_TARGET
-    others = [*ARENA.values(), *hunters * [*HUNTER.values()]], [*prey * [*PREY.values()]]
-    alive = (length - sum(map(len, others))) // len(target)
-    units = [*others[0], *alive * [*target.values()], *others[1]]
-    return np.where([unit in MICRO for unit in units], 1_000_000.0, 1.0)
+    target = [*(_MOVING_TARGET if moving else _STILL_TARGET).values()]
+    before, after = [*ARENA.values(), *hunters * [*HUNTER.values()]], prey * [*PREY.values()]
+    alive = (length - len(before) - len(after)) // len(target)
+    return np.where([unit in MICRO for unit in (*before, *alive * target, *after)], 1_000_000.0, 1.0)
 
 
 def state_length(config: ArenaConfig) -> int:
