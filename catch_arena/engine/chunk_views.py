@@ -32,7 +32,7 @@ class ChunkViews:
         hunters, prey = config.hunters, config.prey
         num_chunks, num_rows = len(chunks), row_of(regions.end)
         self.hunter_names, self.team_by_seat = config.hunter_names, config.team_by_seat
-        """Those of the config, which makes them again for every reader."""
+        """Names and teams of the config, which makes them again for every reader."""
         slot = slot_rows(config.targets_move)
         first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
         self.fields = chunks.reshape(num_chunks, num_rows, LANES)

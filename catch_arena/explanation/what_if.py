@@ -105,6 +105,7 @@ def what_if(
         ConfigError: for a contest that is not of this match, and a hunter that did not lose it.
         ReplayError: if the match does not play as recorded.
     """
+    require_type("replay", replay, Replay, "Replay.load(path)")
     require_type("contest", contest, Contest, "lost_contest_at(replay, at_s)")
     claims = _lost(replay, contest, hunter)
     if not claims:
