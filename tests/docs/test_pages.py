@@ -34,7 +34,7 @@ SMALLER = {
     "suite": ("--quick",),
     # one submission of the sample class hangs
     "league": ("--set", "time_limit_s=8", "--max-matches", "4", "--limit", "step_ms=60", "--limit", "bank_s=1"),
-    "grade": ("--limit", "step_ms=60", "--limit", "bank_s=1"),
+    "grade": ("--limit", "step_ms=60", "--limit", "bank_s=0.2"),
     "render": ("--size", "320x320", "--fps", "2"),
     "clip": ("--size", "320x320", "--fps", "2"),
     "highlights": ("--size", "320x320", "--fps", "2"),

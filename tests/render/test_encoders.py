@@ -88,13 +88,13 @@ found = {}
 for ending in sys.argv[2:]:
     folder = Path(ending)
     folder.mkdir()
-    video = render_replay(replay, folder / f"match{ending}", size=(480, 320), fps=10).path
+    video = render_replay(replay, folder / f"match{ending}", size=(480, 320), fps=4).path
     almost = video.stat().st_size - 100
     video.unlink()
     for limit in (0, 20_000, almost):
         resource.setrlimit(resource.RLIMIT_FSIZE, (limit, most))
         try:
-            render_replay(replay, folder / f"match{ending}", size=(480, 320), fps=10)
+            render_replay(replay, folder / f"match{ending}", size=(480, 320), fps=4)
             said = ""
         except OutputError as error:
             said = str(error)
