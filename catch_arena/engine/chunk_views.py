@@ -1,5 +1,6 @@
 """Views of the memory of a batch of arenas, by content: the chunks of core/state.py, without a copy."""
 
+from functools import cache
 from typing import Final
 
 import numpy as np
@@ -19,6 +20,20 @@ RULING: Final = slice(row_of(state.RULING[0]), row_of(state.RULING[-1]) + 1)
 """Rows of a hunter's answer."""
 
 
+def _target_digest(*, moving: bool) -> list[int]:
+    return [row_of(offset) for offset in (state.MOVING_TARGET_DIGEST if moving else state.TARGET_DIGEST)]
+
+
+@cache  # every copy of an engine needs them
+def _digest_rows(regions: Regions, hunters: int, max_targets: int, *, moving: bool) -> NDArray[np.int64]:
+    """A.8: return the rows that the digest reads before those of prey, in its order, if every slot has a target."""
+    seats = row_of(regions.hunters) + state.HUNTER_ROWS * np.arange(hunters)
+    slots = row_of(regions.targets) + slot_rows(moving) * np.arange(max_targets)
+    of_hunters = np.add.outer(seats, [row_of(offset) for offset in state.HUNTER_DIGEST])
+    of_targets = np.add.outer(slots, _target_digest(moving=moving))
+    return np.concatenate((np.arange(state.ARENA_DIGEST_ROWS), of_hunters.reshape(-1), of_targets.reshape(-1)))
+
+
 class ChunkViews:
     """Views of the chunks, each [chunk, ..., row, lane]; writing to a view writes to the arena.
 
@@ -31,8 +46,6 @@ class ChunkViews:
     def __init__(self, config: ArenaConfig, regions: Regions, chunks: NDArray[np.float64]) -> None:
         hunters, prey = config.hunters, config.prey
         num_chunks, num_rows = len(chunks), row_of(regions.end)
-        self.hunter_names, self.team_by_seat = config.hunter_names, config.team_by_seat
-        """Names and teams of the config, which makes them again for every reader."""
         slot = slot_rows(config.targets_move)
         first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
         self.fields = chunks.reshape(num_chunks, num_rows, LANES)
@@ -47,18 +60,9 @@ class ChunkViews:
         """Order in which each seat sees the targets: [chunk, seat, word, lane], see RANKS_PER_WORD."""
         self.prey = self.fields[:, first_prey:end].reshape(num_chunks, prey, state.PREY_ROWS, LANES)
         """Rows of prey: [chunk, index, row, lane]."""
-        digest = state.MOVING_TARGET_DIGEST if config.targets_move else state.TARGET_DIGEST
-        self.target_digest = [row_of(offset) for offset in digest]
+        self.target_digest = _target_digest(moving=config.targets_move)
         """A.8: rows of a slot that the digest reads, in its order."""
-        seats = first_hunter + state.HUNTER_ROWS * np.arange(hunters)
-        slots = first_target + slot * np.arange(config.max_targets)
-        of_hunters = np.add.outer(seats, [row_of(offset) for offset in state.HUNTER_DIGEST])
-        of_targets = np.add.outer(slots, self.target_digest)
-        self._digest_rows = np.concatenate(
-            (np.arange(state.ARENA_DIGEST_ROWS), of_hunters.reshape(-1), of_targets.reshape(-1))
-        )
-        """A.8: rows that the digest reads before those of prey, in its order, if every slot has a target."""
-        self._rows_before_targets = len(self._digest_rows) - of_targets.size
+        self._digest_rows = _digest_rows(regions, hunters, config.max_targets, moving=config.targets_move)
 
     def hunter_rows(self, arena: int) -> NDArray[np.float64]:
         """Return one arena's hunters: (H, HUNTER_ROWS)."""
@@ -96,7 +100,8 @@ class ChunkViews:
         chunk, lane = divmod(arena, LANES)
         own = self.fields[chunk, :, lane]
         alive = int(own[row_of(state.ALIVE)])
-        rows = self._digest_rows[: self._rows_before_targets + alive * len(self.target_digest)]
+        empty_slots = self.targets.shape[1] - alive
+        rows = self._digest_rows[: len(self._digest_rows) - empty_slots * len(self.target_digest)]
         numbers: NDArray[np.float64] = own[rows]
         if not self.prey.size:
             return numbers

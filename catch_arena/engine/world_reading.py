@@ -32,7 +32,7 @@ def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
     own = views.fields[chunk, : state.ARENA_ROWS, lane].tolist()
     alive = int(own[row_of(state.ALIVE)])
     prey, players = _prey_states(config, views, arena) if config.prey else ((), {})
-    hunters = zip(views.hunter_names, views.team_by_seat, views.hunter_rows(arena)[:, _HUNTER].tolist(), strict=True)
+    hunters = zip(config.hunter_names, config.team_by_seat, views.hunter_rows(arena)[:, _HUNTER].tolist(), strict=True)
     targets = views.targets[chunk, :alive, views.target_digest, lane].T.tolist()
     return World(
         time_ms=int(own[row_of(state.TIME)]),

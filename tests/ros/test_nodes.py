@@ -183,10 +183,12 @@ def test_over_rosbridge_a_right_node_passes_too():
     assert re.search(r"^cases: 3 passed, 0 failed, \d+ cannot be asked of a service$", tried.stdout, re.MULTILINE)
 
 
-def test_over_rosbridge_too_one_line_says_that_nobody_serves_it():
+@pytest.mark.usefixtures("spec")
+@pytest.mark.parametrize("words", [("conformance", "--only", "names.unknown"), GRADE])
+def test_over_rosbridge_too_one_line_says_that_nobody_serves_it(words):
     """There the server says so in its answer to the first request."""
     with running_bridge() as (_, url):
-        tried = over_rosbridge(url, "ros:/x", "conformance", "--only", "names.unknown")
+        tried = over_rosbridge(url, "ros:/x", *words)
     assert (tried.exit_code, tried.stdout) == (2, "")
     assert tried.stderr.splitlines()[1:] == [
         "warning: rosbridge: /x: Service /x does not exist",

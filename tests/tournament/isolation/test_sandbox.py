@@ -42,10 +42,7 @@ def played(config, entrants, sandbox, **options):
 
 
 def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):
-    """Of all shipped agents in processes, and of some in namespaces, which are processes too."""
-    names = (
-        [*shipped(), "random"] if sandbox.quotas.isolation == "processes" else ["nearest", "patrol", "first", "random"]
-    )
+    names = [*shipped(), "random"]
     config = scenario("standard", hunters=len(names), time_limit_s=6)
     isolated = played(config, enter([alone(name) for name in names], inspector(sandbox)), sandbox)
     mixed = played(config, enter([alone(name) for name in names[:3]] + names[3:], inspector(sandbox)), sandbox)
