@@ -132,7 +132,7 @@ def test_a_bad_submission_has_its_reason_without_the_teachers_folders(graded, na
 def test_marks_are_those_of_grading_one_by_one(graded, tmp_path):
     folder, _ = graded
     marks = marks_in(folder / "out")
-    for name, agent in (("ann", "ann"), ("ben", "ben.py"), ("crash", "crash.py")):
+    for name, agent in (("ann", "ann"), ("ben", "ben.py"), ("crash", "crash.py"), ("hang", "hang.py")):
         words = ["--spec", folder / "spec.toml", "--json", tmp_path / f"{name}.json", *LIMITS]
         call(folder / "class" / agent, *words)
         alone = json.loads((tmp_path / f"{name}.json").read_text())

@@ -30,7 +30,7 @@ def test_texts_have_no_words_that_have_a_plainer_one(name):
 
 
 def test_every_docstring_can_be_read_alone_and_has_its_sections_on_lines_of_their_own():
-    """Those of attributes too."""
+    """Docstrings of attributes are read too."""
     docstrings = {
         f"{path.relative_to(PACKAGE)}:{node.lineno}": node.value.value.strip()
         for path in sorted(PACKAGE.rglob("*.py"))
