@@ -76,9 +76,7 @@ def play(
 
 @entry
 def run(
-    width: Width,
-    view_width: Width,
-    options: Options,
+    kind: tuple[Width, Width, Options],
     memory: Bytes,
     thread: int,
     first_chunk: int,
@@ -92,9 +90,8 @@ def run(
     """Begin the requested episodes, play one step (R1.4) if `playing` is true, and write the observations.
 
     Args:
-        width: number of lanes that play together.
-        view_width: number of lanes that observe together.
-        options: options of the compiled code: see `state.Options`.
+        kind: what the code is compiled for: number of lanes that play together, number of lanes that observe together,
+            and its options, see `state.Options`.
         memory: the memory of all arenas: see `memory.Sections`.
         thread: the thread whose scratch sections are used, from 0 up.
         first_chunk: the first chunk that is played and observed.
@@ -106,6 +103,7 @@ def run(
             agent reads them.
         given_requests: for a single arena: see `catching.resolve_requests`; they are judged in place.
     """
+    width, view_width, options = kind
     sections = sections_of(memory, thread)
     s = settings_in(sections.settings, options)
     ranks, velocities, table = by_address(choices), by_address(commands), by_address(given_requests)

@@ -98,8 +98,8 @@ class Engine:
         options = state.options_of(settings)
         variant = Variant(batch=num_arenas > 1, options=options == ALL_OPTIONS)
         width, view_width = (SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)
-        self._compiled_for = (width, view_width, options)
-        """First arguments of `tick.run`, whose types determine the compiled code."""
+        self._kind = (width, view_width, options)
+        """First argument of `tick.run`, whose type determines the compiled code."""
         compile_once(variant, partial(_play_smallest, variant))
         self.config = config
         self.num_arenas = num_arenas
@@ -123,7 +123,7 @@ class Engine:
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Bind the memory's sections to attributes."""
         self._memory = memory
-        self._run_tick: Callable[..., None] = partial(tick.run, *self._compiled_for, memory)
+        self._run_tick: Callable[..., None] = partial(tick.run, self._kind, memory)
         self.chunks = sections.chunks
         self.controls = sections.controls
         self.rewards = sections.rewards

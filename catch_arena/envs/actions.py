@@ -33,6 +33,16 @@ class ActionReader:
         self.controls = config.controls + prey_drives * config.prey
         """Control of each agent, by row; prey has velocity control."""
         self._ranks = config.targets_seen
+        self.set_agents(agents)
+
+    def set_agents(self, agents: Sequence[str]) -> None:
+        """Set the agents that `read` expects; the actions of all others are none from now on."""
+        rows = self.rows
+        self._agents = [(agent, rows[agent], self.controls[rows[agent]]) for agent in agents]
+        if len(agents) < len(rows):
+            for absent in rows.keys() - agents:
+                self.commands[0, rows[absent]] = 0.0
+                self.choices[0, rows[absent] : rows[absent] + 1] = 0  # prey has no choice
 
     def copy(self) -> "ActionReader":
         """Return an independent copy."""
@@ -51,21 +61,20 @@ class ActionReader:
             raise ActionError(f"unknown agent {agent!r}: {suggest(agent, list(self.rows))}")
         return row
 
-    def read(self, actions: Mapping[str, Any], agents: Sequence[str]) -> None:
-        """Write these agents' actions into `choices` and `commands`.
+    def read(self, actions: Mapping[str, Any]) -> None:
+        """Write the agents' actions into `choices` and `commands`.
 
         Raises:
             ActionError: for an action that is missing or not legal, and an unknown agent.
         """
         if type(actions) is not dict and not isinstance(actions, Mapping):  # isinstance is slower
             raise ActionError(f"actions must map each agent to its action, got {actions!r}")
-        if len(actions) != len(agents):
-            self._require_complete(actions, agents)
+        if len(actions) != len(self._agents):
+            self._require_complete(actions)
         choices, commands, ranks = self.choices[0], self.commands, self._ranks
         try:
-            for agent in agents:
-                action, row = actions[agent], self.rows[agent]
-                control = self.controls[row]
+            for agent, row, control in self._agents:
+                action = actions[agent]
                 if control == "target":
                     legal = type(action) is int and 0 <= action <= ranks  # the usual case without another call
                     choices[row] = action if legal else checked_choice(agent, "an action", action, ranks)
@@ -75,22 +84,16 @@ class ActionReader:
                     choices[row], command = checked_full(agent, action, ranks, clip=True)
                     commands[0, row, 0], commands[0, row, 1] = command
         except KeyError:
-            self._require_complete(actions, agents)
+            self._require_complete(actions)
             raise  # a KeyError of the action itself
 
-    def _require_complete(self, actions: Mapping[str, Any], agents: Sequence[str]) -> None:
-        """Check that each of these agents has an action, and that others are only of agents that have left."""
+    def _require_complete(self, actions: Mapping[str, Any]) -> None:
+        """Check that each of the agents has an action, and that others are only of agents that have left."""
         for agent in actions:
             self.row(agent)
-        missing = [agent for agent in agents if agent not in actions]
+        missing = [agent for agent, _, _ in self._agents if agent not in actions]
         if missing:
             raise ActionError(f"actions must have an action for each agent, got none for {', '.join(missing)}")
-
-    def clear(self, agent: str) -> None:
-        """Set that agent's action to none, until `read` gets an action for it."""
-        row = self.rows[agent]
-        self.commands[0, row] = 0.0
-        self.choices[0, row : row + 1] = 0  # prey has no choice
 
     def require_legal(self, agent: str, action: object) -> None:
         """Raise the ActionError that `read` would raise for that action."""

@@ -267,7 +267,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             why = "no episode has begun" if self._seed is None else "the episode is over"
             raise EpisodeError(f"cannot call step(): {why}; call reset() first")
         agents, engine, reader = self.agents, self._engine, self._actions
-        reader.read(actions, agents)
+        reader.read(actions)
         engine.step(reader.choices, reader.commands)  # writes the arrays from which `_results` reads
         if self._recorder.replay is not None:
             self._recorder.replay.append(reader.choices[0], reader.commands[0], engine)
@@ -294,8 +294,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def _set_agents(self, agents: list[str]) -> None:
         self.agents, self._all_false = agents, dict.fromkeys(agents, False)
         self._results.set_agents(agents)
-        for agent in self._leaving.difference(agents):
-            self._actions.clear(agent)
+        self._actions.set_agents(agents)
 
     def check_action(self, agent: str, action: object) -> None:
         """Raise the ActionError that `step` would raise for that action; the arena does not change."""

@@ -3,6 +3,8 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Final, Literal
 
+import numpy as np
+
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
 from catch_arena.layout import observation_size, prey_observation_size
@@ -39,6 +41,7 @@ class Results:
         # views of the engine's memory: `tick.play` writes the rewards by `rewards.reward_hunters`
         self._observations, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
         self._parts, self._prey_parts = engine.parts[0], engine.prey_parts[0]
+        self._rulings, self._verdicts = engine.ruling_rows, engine.ruling_rows[:, 1]
         self._team_by_seat = () if config.teams is None else config.team_by_seat
         self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
         self.set_agents(())
@@ -54,8 +57,8 @@ class Results:
         """Set the agents for which dictionaries are made."""
         self._agents = agents
         rows = [(agent, self._rows[agent]) for agent in agents]
-        self._hunters = [(agent, row) for agent, row in rows if row < self._config.hunters]
-        self._prey = rows[len(self._hunters) :]
+        hunters = [(agent, row, self._controls[row]) for agent, row in rows if row < self._config.hunters]
+        self._hunters, self._prey = hunters, rows[len(hunters) :]
 
     def rewards(self) -> dict[str, float]:
         """R6.2, R12.5: return the rewards of the last step."""
@@ -65,15 +68,15 @@ class Results:
     def observations(self) -> dict[str, Any]:
         """R7.1, R12.4: return the observations after the last step or reset."""
         seen = self._observations.copy()
-        observations: dict[str, Any] = {agent: seen[row] for agent, row in self._hunters}
+        observations: dict[str, Any] = {agent: seen[row] for agent, row, _ in self._hunters}
         if self._config.prey:  # hunters and prey may have observations of different sizes
             size, of_prey = observation_size(self._config), prey_observation_size(self._config)
             observations = {agent: own[:size] for agent, own in observations.items()}
             observations |= {agent: seen[row, :of_prey] for agent, row in self._prey}
         if self._config.mask_in_observation:
             masks = self._masks.copy()
-            for agent, row in self._hunters:
-                if self._controls[row] == "target":
+            for agent, row, control in self._hunters:
+                if control == "target":
                     observations[agent] = {"observation": observations[agent], "action_mask": masks[row]}
         return observations
 
@@ -86,27 +89,27 @@ class Results:
         infos: dict[str, dict[str, Any]] = {}
         if self._level != "full":
             masks = self._masks.copy()
-            for agent, row in self._hunters:
-                has_mask = self._level == "mask" and self._controls[row] != "velocity"
+            for agent, row, control in self._hunters:
+                has_mask = self._level == "mask" and control != "velocity"
                 infos[agent] = {"action_mask": masks[row]} if has_mask else {}
             return infos | {agent: {} for agent, _ in self._prey}
-        ruling_rows, parts, masks = self._engine.ruling_rows.tolist(), self._parts.copy(), self._masks.copy()
-        for agent, row in self._hunters:
+        verdicts, parts, masks = self._verdicts.tolist(), self._parts.copy(), self._masks.copy()
+        rulings = self._rulings.astype(np.int64).tolist() if any(verdicts) else ()
+        for agent, row, control in self._hunters:
             infos[agent] = info = _NO_RULING.copy()
-            number, verdict, distance, winner = ruling_rows[row]
-            if verdict:
-                info["verdict"], info["target"] = int(verdict), int(number) or -1
-                info["distance_um"], info["winner"] = int(distance), int(winner)
+            if verdicts[row]:
+                number, info["verdict"], info["distance_um"], info["winner"] = rulings[row]
+                info["target"] = number or -1
             info["reward_parts"] = parts[row]
-            if self._controls[row] != "velocity":
+            if control != "velocity":
                 info["action_mask"] = masks[row]
         if self._hunters_stay:
             active = self._engine.active[0].tolist()
-            for agent, row in self._hunters:
+            for agent, row, _ in self._hunters:
                 infos[agent]["active"] = active[row]
         if self._team_by_seat:
             scores = self._engine.team_scores[0].tolist()
-            for agent, row in self._hunters:
+            for agent, row, _ in self._hunters:
                 infos[agent]["team_score"] = int(scores[self._team_by_seat[row]])
         if self._prey:
             self._add_infos_of_prey(infos)
