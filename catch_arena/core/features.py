@@ -2,19 +2,10 @@
 layout.py's table, and the time left.
 """
 
-from typing import Any, NamedTuple
+from typing import Any
 
 from catch_arena.core.jit import Rows, rule
-from catch_arena.core.state import (
-    ACTIVE,
-    COSINE,
-    SCORE,
-    SINE,
-    TIME,
-    Settings,
-    X,
-    Y,
-)
+from catch_arena.core.state import TIME, Settings
 from catch_arena.core.tiles import BodyTile, TargetTile
 from catch_arena.core.vectors import select
 from catch_arena.layout import (
@@ -28,34 +19,8 @@ from catch_arena.layout import (
 )
 
 
-class Observer(NamedTuple):
-    """Numbers of an observer, in one lane; read once for all bodies that it sees."""
-
-    x: float
-    y: float
-    sine: float
-    cosine: float
-    active: float
-    """Number of a hunter's active target, 0 for none; unused for prey."""
-    score: float
-    """Catches of a hunter; unused for prey."""
-
-
 @rule
-def observer_of(me: Rows, lane: int) -> Observer:
-    """Return a body as an observer, from its rows up to SCORE."""
-    return Observer(
-        x=me[X + lane],
-        y=me[Y + lane],
-        sine=me[SINE + lane],
-        cosine=me[COSINE + lane],
-        active=me[ACTIVE + lane],
-        score=me[SCORE + lane],
-    )
-
-
-@rule
-def in_frame_of(me: Observer, east: float, north: float) -> tuple[float, float]:
+def in_frame_of(me: BodyTile, east: float, north: float) -> tuple[float, float]:
     """R7.1: return the parts of a direction ahead of an observer, and to its left.
 
     Args:
@@ -66,7 +31,7 @@ def in_frame_of(me: Observer, east: float, north: float) -> tuple[float, float]:
 
 
 @rule
-def body_seen(me: Observer, body: BodyTile) -> BodyFeatures:
+def body_seen(me: BodyTile, body: BodyTile) -> BodyFeatures:
     """R12.4: return the features of a body in another body's view."""
     forward, left = in_frame_of(me, body.x - me.x, body.y - me.y)
     heading_cos, heading_sin = in_frame_of(me, body.cosine, body.sine)
@@ -81,7 +46,7 @@ def body_seen(me: Observer, body: BodyTile) -> BodyFeatures:
 
 
 @rule
-def rival_seen(me: Observer, rival: BodyTile) -> RivalFeatures:
+def rival_seen(me: BodyTile, rival: BodyTile) -> RivalFeatures:
     """R7.1: return the features of a hunter in another hunter's view."""
     body = body_seen(me, rival)
     return RivalFeatures(
@@ -96,31 +61,31 @@ def rival_seen(me: Observer, rival: BodyTile) -> RivalFeatures:
 
 
 @rule
-def team_rival_seen(me: Observer, rival: BodyTile, team: float) -> Any:
+def team_rival_seen(me: BodyTile, rival: BodyTile, team: float) -> Any:
     """R7.4: return the features of a rival if there are teams, a `layout.TeamRivalFeatures`; `team`: the observer's."""
     seen, in_teams = rival_seen(me, rival), TeamFeatures(mate=select(rival.team == team, 1.0, 0.0))
     return TeamRivalFeatures(*seen[:], *in_teams[:])  # Numba unpacks plain tuples only
 
 
 @rule
-def target_seen(me: Observer, target: TargetTile) -> TargetFeatures:
-    """R7.1: return the features of a target in a hunter's view."""
+def target_seen(me: BodyTile, target: TargetTile, active: float) -> TargetFeatures:
+    """R7.1: return the features of a target in a hunter's view; `active`: number of the hunter's active target."""
     forward, left = in_frame_of(me, target.x - me.x, target.y - me.y)
     return TargetFeatures(
         forward=forward,
         left=left,
         present=1.0,
         age=target.age,
-        active=select(target.number == me.active, 1.0, 0.0),
+        active=select(target.number == active, 1.0, 0.0),
     )
 
 
 @rule
-def moving_target_seen(me: Observer, target: TargetTile) -> Any:
+def moving_target_seen(me: BodyTile, target: TargetTile, active: float) -> Any:
     """R7.4: return the features of a moving target in a hunter's view, a `layout.MovingTargetFeatures`."""
     heading_cos, heading_sin = in_frame_of(me, target.cosine, target.sine)
     moving = MotionFeatures(heading_cos=heading_cos, heading_sin=heading_sin, linear_velocity=target.speed)
-    seen = target_seen(me, target)
+    seen = target_seen(me, target, active)
     return MovingTargetFeatures(*seen[:], *moving[:])  # Numba unpacks plain tuples only
 
 

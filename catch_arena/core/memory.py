@@ -8,7 +8,9 @@ sections of its own, whose content is not kept after a step.
 
 import contextlib
 import itertools
+import math
 import mmap
+from collections.abc import Mapping
 from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
@@ -18,20 +20,8 @@ from numba.extending import models, register_model
 from numpy.typing import NDArray
 
 from catch_arena.core.addresses import ArrayAt, product
-from catch_arena.core.arbiter import REQUEST_COLUMNS
 from catch_arena.core.extending import INT64, compiled_as, constant_at, fields_as, packed, unpacked
-from catch_arena.core.state import (
-    LANES,
-    MOST,
-    PART_NAMES,
-    RANKS_PER_WORD,
-    WITHDRAWN,
-    Options,
-    PlainSettings,
-    Settings,
-)
-from catch_arena.core.transfers import STREAMED, TILE
-from catch_arena.core.vectors import WIDE
+from catch_arena.core.state import Options, PlainSettings, Settings
 
 Bytes = NDArray[np.uint8]
 
@@ -93,8 +83,6 @@ class Sections(NamedTuple):
     """R11.1: lowest seat of each team, in the order of the teams: (teams,); empty without teams."""
     keys: ScratchKeys1
     """Sorting keys, by slot or seat: rows of LANES."""
-    positions: ScratchDoubles1
-    """Positions of the hunters, in one group of lanes: see `ranking.note_positions`."""
     target_tiles: ScratchDoubles1
     """Tiles of the targets in one group of lanes, by slot and lane: see `tiles.tile_index`."""
     body_tiles: ScratchDoubles1
@@ -168,66 +156,15 @@ _INDICES: Final = dict(zip(DTYPES, itertools.accumulate((1 + ndim for ndim in ND
 """Index in the directory at which the numbers of a section begin."""
 
 
-_ROWS: Final = 2 + len(PART_NAMES)
-"""Number of rows that `rewards.reward_hunters` needs, the most of all phases."""
-
-
-def scratch_shapes(hunters: int, prey: int, rows: int, columns: int, *, team_play: bool) -> dict[str, tuple[int, ...]]:
-    """Return the shapes of one thread's scratch sections.
-
-    Args:
-        hunters: H.
-        prey: P.
-        rows: number of rows of a chunk.
-        columns: number of columns of an arena's observations, of all agents together.
-        team_play: whether there are teams.
-    """
-    staging = len(WIDE) * columns + STREAMED  # `put_rows` writes numbers after the end
-    return {
-        "keys": (MOST * LANES,),
-        "positions": (MOST * 2 * len(WIDE),),
-        "target_tiles": ((MOST + 1) * len(WIDE) * TILE,),
-        "body_tiles": ((MOST + 1) * len(WIDE) * TILE,),
-        "staging": (-(-staging // LANES) * LANES,),  # whole cache lines: no two threads write to the same one
-        "requests": (hunters, REQUEST_COLUMNS),
-        "scratch_rows": (_ROWS * LANES,),
-        "requested_slots": (hunters, LANES),
-        "rival_orders": (hunters, MOST // RANKS_PER_WORD * LANES),
-        "progress_references": (hunters, 3 * LANES),
-        "team_rows": (2 * hunters * LANES if team_play else 0,),
-        "prey_references": (prey, 4 * LANES),
-        "gathered_prey": (prey, WITHDRAWN + LANES),
-        "snapshot": (rows * LANES,),
-    }
-
-
-def zeros(*shape: int, dtype: Any = np.float64) -> NDArray[Any]:
-    """Return a section of zeros for `lay_out`, which takes no memory yet."""
-    return np.broadcast_to(np.zeros((), dtype=dtype), shape)
-
-
-def lay_out(wanted: Sections) -> tuple[Bytes, Sections]:
-    """Return the bytes with sections of these shapes and values, and the sections as views of them.
-
-    Raises:
-        TypeError: for a section whose type is not that of its field.
-    """
-    arrays: tuple[NDArray[Any], ...] = wanted
-    for (name, dtype), ndim, array in zip(DTYPES.items(), NDIMS, arrays, strict=True):
-        if array.dtype != dtype or array.ndim != ndim:
-            raise TypeError(
-                f"{name} must be of {dtype} and {ndim} dimensions, got {array.dtype} and {array.ndim} dimensions"
-            )
+def lay_out(shapes: Mapping[str, tuple[int, ...]]) -> tuple[Bytes, Sections]:
+    """Return zeros with sections of these shapes, and the sections as views of them."""
     size = whole_lines(8 * _DIRECTORY)
     directory: list[int] = []
-    for array in arrays:
-        directory += [size, *array.shape]
-        size += whole_lines(array.nbytes)
+    for name, dtype in DTYPES.items():
+        directory += [size, *shapes[name]]
+        size += whole_lines(math.prod(shapes[name]) * dtype.itemsize)
     memory = _new_bytes(size)
     memory[: 8 * _DIRECTORY].view(np.int64)[:] = directory
-    for section, array in zip(_arrays_in(memory), arrays, strict=True):
-        if any(array.strides):  # the others are zeros, as new memory is
-            section[:] = array
     return memory, sections_of(memory)
 
 

@@ -9,7 +9,6 @@ from catch_arena.core.addresses import flat
 from catch_arena.core.features import (
     in_frame_of,
     moving_target_seen,
-    observer_of,
     rival_seen,
     target_seen,
     team_rival_seen,
@@ -18,18 +17,12 @@ from catch_arena.core.features import (
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
-from catch_arena.core.prey_views import observe_as_prey
+from catch_arena.core.prey_views import gather_prey, write_prey
 from catch_arena.core.random import draw, seed_of
-from catch_arena.core.ranking import (
-    measure_rivals,
-    note_positions,
-    pack_order,
-    rank_targets,
-    resolve_ties,
-    sort_keys,
-)
+from catch_arena.core.ranking import Bodies, measure_rivals, order_bodies, pack_order, rank_targets
 from catch_arena.core.state import (
     ABSENT,
+    ACTIVE,
     BEARING_INTEGRAL,
     COSINE,
     DISTANCE_INTEGRAL,
@@ -62,6 +55,7 @@ from catch_arena.core.tiles import (
     TILE_X,
     TILE_Y,
     body_of_tile,
+    body_tile,
     put_rank,
     target_of_tile,
     tile_hunters,
@@ -135,7 +129,7 @@ def write_targets(
 ) -> None:
     """R7.1, R7.4: write the targets that one seat sees, in the lanes of one group."""
     order, tiles, lane = target_order_of(chunk, s, seat), sections.target_tiles, group(first, width)
-    me = observer_of(seat_of(chunk, seat), lane)
+    me, active = body_tile(seat_of(chunk, seat), 0.0, lane), seat_of(chunk, seat)[ACTIVE + lane]
     for rank in range(s.targets_seen):
         slots = slot_at_rank(order, rank, lane)
         present = slots != ABSENT
@@ -143,9 +137,9 @@ def write_targets(
         at_rank = Place(place.out, place.at + rank * target_width(s), place.stride)
         is_last = s.hunters_seen == 0 and rank + 1 == s.targets_seen
         if s.targets_move:
-            put_rank(at_rank, present, moving_target_seen(me, target), is_last)
+            put_rank(at_rank, present, moving_target_seen(me, target, active), is_last)
         else:
-            put_rank(at_rank, present, target_seen(me, target), is_last)
+            put_rank(at_rank, present, target_seen(me, target, active), is_last)
     if s.view_noise_m > 0.0:
         blur_seen(chunk, s, first, width, seat, order, TARGET_KIND, tiles, place)
 
@@ -156,7 +150,7 @@ def write_rivals(
 ) -> None:
     """R7.1, R7.4: write the rivals that one seat sees, in the lanes of one group."""
     order, tiles, lane = sections.rival_orders[seat], sections.body_tiles, group(first, width)
-    me = observer_of(seat_of(chunk, seat), lane)
+    me = body_tile(seat_of(chunk, seat), 0.0, lane)
     for rank in range(s.hunters_seen):
         seats = slot_at_rank(order, rank, lane)
         present = seats != ABSENT
@@ -191,7 +185,7 @@ def blur_seen(
     of_targets = kind == TARGET_KIND
     columns = target_width(s) if of_targets else rival_width(s)
     for lane in range(first, first + len(width)):
-        me = observer_of(seat_of(chunk, seat), lane)
+        me = body_tile(seat_of(chunk, seat), 0.0, lane)
         seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
         key = blur_key(seed, chunk[STEP + lane], seat, kind)
         at = place.at + (lane - first) * place.stride
@@ -300,6 +294,8 @@ def write(chunk: Rows, s: Settings, width: Width, lanes: int, first_arena: int, 
             write_targets(chunk, s, first, width, seat, sections, Place(destination, at_targets, stride))
             write_rivals(chunk, s, first, width, seat, sections, Place(destination, at_rivals, stride))
             prefetch_part(next_chunk, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
+        if s.prey > 0:
+            write_prey(chunk, s, first, width, lanes, sections, Place(destination, begin, stride))
         if is_staged:
             copy_to_observations(
                 sections.staging, min(len(width), lanes - first) * stride, out, (first_arena + first) * stride
@@ -322,23 +318,16 @@ def rank_seen(chunk: Rows, s: Settings, first: int, width: Width, lanes: int, sl
     Args:
         sections: see `memory.Sections`; the rivals' orders are the result, and in the chunk those of the targets.
     """
-    keys, tied, targets = sections.keys, sections.scratch_rows[:LANES], targets_of(chunk, s)
-    hunters = chunk[seat_at(0) : seat_at(s.hunters)]
-    if s.hunters_seen > 0:
-        note_positions(chunk, s, first, width, sections.positions)
+    keys, targets, hunters = sections.keys, targets_of(chunk, s), chunk[seat_at(0) : seat_at(s.hunters)]
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
         reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
         rank_targets(chunk, me, s, first, width, targets, slots, reach_limit_m2, keys)
         pack_order(keys, slots, s.targets_seen, first, width, target_order_of(chunk, s, seat))
         if s.hunters_seen > 0:
-            measure_rivals(chunk, s, first, width, seat, reach_limit_m2, sections.positions, keys)
-            # one rank more than is seen, to notice a tie at the edge of the view
-            sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
-            ranks = min(s.hunters_seen, s.hunters - 2)
-            resolve_ties(
-                me, first, width, lanes, seat, hunters, SEAT_SIZE, s.hunters, ranks, sections.teams, True, keys, tied
-            )
+            rivals = Bodies(hunters, SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
+            measure_rivals(chunk, s, first, width, seat, reach_limit_m2, keys)
+            order_bodies(me, first, width, lanes, rivals, sections)
             pack_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
 
 
@@ -359,7 +348,7 @@ def observe(chunk: Rows, s: Settings, width: Width, first_arena: int, stop_arena
             update_heading(body_of(targets, s, slot), width)
     for first in range(0, lanes, len(width)):
         rank_seen(chunk, s, first, width, lanes, slots, sections)
+    if s.prey > 0:
+        gather_prey(chunk, s, lanes, targets, sections)
     write(chunk, s, width, lanes, first_arena, slots, sections)
     write_masks(chunk, s, lanes, sections.masks[first_arena:stop_arena])
-    if s.prey > 0:
-        observe_as_prey(chunk, s, width, lanes, first_arena, sections)

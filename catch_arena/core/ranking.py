@@ -2,13 +2,14 @@
 by their appearance to the hunter.
 """
 
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.features import body_seen, observer_of
+from catch_arena.core.features import body_seen
 from catch_arena.core.jit import Rows, outlined, phase, rule
+from catch_arena.core.memory import Sections
 from catch_arena.core.state import (
     ABSENT,
     ALIVE,
@@ -137,24 +138,8 @@ def rank_targets(
 
 
 @phase
-def note_positions(chunk: Rows, s: Settings, first: int, width: Width, positions: Rows) -> None:
-    """Write the positions of all hunters, side by side for all observers, in the lanes of one group. A withdrawn hunter
-    is infinitely far, so that no hunter sees it (R1.6).
-
-    Args:
-        positions: the result [m]: x and y by seat, each as many numbers as the group has lanes.
-    """
-    lane = group(first, width)
-    for seat in range(s.hunters):
-        me = seat_of(chunk, seat)
-        at = 2 * seat * len(width) + group(0, width)
-        positions[at] = select(me[WITHDRAWN + lane] > 0.0, np.inf, me[X + lane])
-        positions[len(width) + at] = me[Y + lane]
-
-
-@phase
 def measure_rivals(
-    chunk: Rows, s: Settings, first: int, width: Width, seat: int, reach_limit_m2: float, positions: Rows, keys: Keys
+    chunk: Rows, s: Settings, first: int, width: Width, seat: int, reach_limit_m2: float, keys: Keys
 ) -> None:
     """R7.1, R7.5: write the keys of the other hunters that are seen, in the lanes of one group.
 
@@ -164,13 +149,39 @@ def measure_rivals(
     me, lane = seat_of(chunk, seat), group(first, width)
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
     for other in range(s.hunters):
-        at = 2 * other * len(width) + group(0, width)
-        dx, dy = positions[at] - x, positions[len(width) + at] - y
-        key = key_of(dx, dy, other)
+        rival = seat_of(chunk, other)
+        dx, dy = rival[X + lane] - x, rival[Y + lane] - y
+        key = select(rival[WITHDRAWN + lane] > 0.0, FAR, key_of(dx, dy, other))
         if s.partial_view:
             key = select(is_seen(dx, dy, sine, cosine, reach_limit_m2, s), key, FAR)
         keys[other * LANES + lane] = key
     keys[seat * LANES + lane] = FAR
+
+
+NO_OBSERVER: Final = -1
+"""Value in place of an index: the observer is not one of the ranked bodies."""
+
+
+class Bodies(NamedTuple):
+    """Bodies that a hunter or prey may see: all hunters, or all prey."""
+
+    rows: Rows
+    """Rows of all bodies, one body after the other."""
+    size: int
+    """Length of each body's rows."""
+    total: int
+    observer: int
+    """Index of the observer among the bodies, or NO_OBSERVER."""
+    ranks: int
+    """Number of bodies that are seen."""
+    are_rivals: bool
+    """True if a hunter sees its rivals, which differ in catches, team and seat too."""
+
+
+@phase
+def body_in(bodies: Bodies, item: int) -> Rows:
+    """Return the rows of one of the bodies."""
+    return bodies.rows[item * bodies.size : (item + 1) * bodies.size]
 
 
 @rule
@@ -181,7 +192,7 @@ def lead(me: Rows, one: Rows, other: Rows, lane: int) -> float:
     Returns:
         a number above 0 if `one` comes first, below 0 if `other` does, and 0 if they look alike.
     """
-    observer = observer_of(me, lane)
+    observer = body_tile(me, 0.0, lane)
     a, b = body_seen(observer, body_tile(one, 0.0, lane)), body_seen(observer, body_tile(other, 0.0, lane))
     difference = a.linear_velocity - b.linear_velocity
     difference = select(a.heading_sin == b.heading_sin, difference, a.heading_sin - b.heading_sin)
@@ -259,26 +270,20 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
 
 @outlined
 def sort_ties(
-    me: Rows,
-    first: int,
-    last: int,
-    seat: int,
-    rows: Rows,
-    size: int,
-    total: int,
-    ranks: int,
-    teams: NDArray[np.int64],
-    are_rivals: bool,
-    keys: Keys,
-    tied: Rows,
+    me: Rows, first: int, last: int, bodies: Bodies, ranks: int, teams: NDArray[np.int64], keys: Keys, tied: Rows
 ) -> None:
-    """R7.1, R12.4: sort equally far bodies among themselves, in the lanes from `first` to before `last`, by insertion;
-    other arguments as for `resolve_ties`.
+    """R7.1, R12.4: sort equally far bodies among themselves, in the lanes from `first` to before `last`, by insertion.
+
+    Args:
+        ranks: number of the nearest bodies that must be in order.
+        teams: see `memory.Sections`.
+        keys: as `sort_keys` leaves them; sorted in place.
+        tied: 1 in the lanes in which two of the nearest, or the last of them and the next, are equally far.
     """
     for lane in range(first, last):
         if tied[lane] == 0.0:
             continue
-        for newest in range(1, gather_ties(lane, ranks, total, keys)):
+        for newest in range(1, gather_ties(lane, ranks, bodies.total, keys)):
             key = keys[newest * LANES + lane]
             at = newest
             while at > 0:
@@ -286,13 +291,15 @@ def sort_ties(
                 if not are_equally_far(before, key):
                     break
                 one, other = item_of(key), item_of(before)
-                newer, older = rows[one * size :], rows[other * size :]
+                newer, older = body_in(bodies, one), body_in(bodies, other)
                 difference = 0.0
                 if not have_same_position(newer, older, lane):  # so do most ties late in an episode
                     difference = lead(me, newer, older, lane)
                 goes_first = difference > 0.0
-                if difference == 0.0 and are_rivals:
-                    goes_first = has_more_catches(newer, older, lane, is_listed_first(seat, one, other, teams))
+                if difference == 0.0 and bodies.are_rivals:
+                    goes_first = has_more_catches(
+                        newer, older, lane, is_listed_first(bodies.observer, one, other, teams)
+                    )
                 if not goes_first:
                     break
                 keys[at * LANES + lane] = before
@@ -301,34 +308,19 @@ def sort_ties(
 
 
 @phase
-def resolve_ties(
-    me: Rows,
-    first: int,
-    width: Width,
-    lanes: int,
-    seat: int,
-    rows: Rows,
-    size: int,
-    total: int,
-    ranks: int,
-    teams: NDArray[np.int64],
-    are_rivals: bool,
-    keys: Keys,
-    tied: Rows,
-) -> None:
-    """R7.1, R12.4: sort the bodies in lanes in which two seen ones, or the last one and the next, are equally far. This
-    is the order in observations; `arbiter.is_preferred` decides contests.
+def order_bodies(me: Rows, first: int, width: Width, lanes: int, bodies: Bodies, sections: Sections) -> None:
+    """R7.1, R12.4: sort measured bodies by distance, then by their appearance, in the lanes of one group. This is the
+    order in observations; `arbiter.is_preferred` decides contests.
 
     Args:
-        rows: rows of all bodies, one body after the other.
-        size: length of each body's rows.
-        total: number of bodies.
-        are_rivals: whether a hunter sees its rivals, which differ in catches, team and seat too.
-        keys: sorted by distance up to one rank after `ranks`; ties are sorted in place.
+        sections: see `memory.Sections`; its keys are the result, those of the nearest in the first rows, in order.
     """
-    lane = group(first, width)
-    some = any_tied(keys, ranks, lane)
-    if any_of(some):
-        tied[lane] = select(some, 1.0, 0.0)
-        last = min(first + len(width), lanes)
-        sort_ties(me, first, last, seat, rows, size, total, ranks, teams, are_rivals, keys, tied)
+    keys, tied, lane = sections.keys, sections.scratch_rows, group(first, width)
+    # one rank more than is seen, to notice a tie at the edge of the view
+    sort_keys(keys, bodies.total, bodies.ranks + 1, first, width)
+    ranks = min(bodies.ranks, bodies.total - 1)
+    if ranks > 0:  # one body alone has no tie
+        some = any_tied(keys, ranks, lane)
+        if any_of(some):
+            tied[lane] = select(some, 1.0, 0.0)
+            sort_ties(me, first, min(first + len(width), lanes), bodies, ranks, sections.teams, keys, tied)

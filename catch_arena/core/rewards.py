@@ -83,11 +83,10 @@ def renew_progress_reference(
 
 
 @phase
-def count_catches(chunk: Rows, s: Settings, width: Width, in_teams: bool, sections: Sections, catches: Rows) -> None:
+def count_catches(chunk: Rows, s: Settings, width: Width, sections: Sections, catches: Rows) -> None:
     """R11.2: count the grants of this step, in total and for each team, under the seat that stands for the team.
 
     Args:
-        in_teams: see `reward_hunters`.
         sections: see `memory.Sections`; the teams' catches are a result if there are teams.
         catches: the result, one row.
     """
@@ -98,7 +97,7 @@ def count_catches(chunk: Rows, s: Settings, width: Width, in_teams: bool, sectio
         for seat in range(s.hunters):
             granted = select(seat_of(chunk, seat)[VERDICT + lane] == _GRANTED, 1.0, 0.0)
             total = total + granted
-            if in_teams:
+            if s.has_teams:
                 at = teams[seat] * LANES
                 if teams[seat] != seat:  # the first seat of its team comes first
                     granted = granted + team_rows[at + lane]
@@ -140,25 +139,20 @@ def share_rewards(chunk: Rows, s: Settings, width: Width, lanes: int, sections: 
 
 
 @phase
-def reward_hunters(
+def reward(
     chunk: Rows,
     s: Settings,
     width: Width,
     lanes: int,
-    in_teams: bool,
     sections: Sections,
     rewards: Rewards,
     parts: Parts,
 ) -> None:
-    """R6.2: write the weighted sum of the parts, and the parts if they are kept.
-
-    Args:
-        in_teams: whether there are teams: a constant at each call, so that the loops do not test it.
-    """
+    """R6.2: write the weighted sum of the parts, and the parts if they are kept."""
     catches = sections.scratch_rows[:LANES]
     amounts = sections.scratch_rows[LANES : (2 + len(PART_NAMES)) * LANES]  # the sum, and then the parts in their order
-    parts_wanted, is_shared = len(parts) > 0, in_teams and s.team_share > 0.0
-    count_catches(chunk, s, width, in_teams, sections, catches)
+    parts_wanted, is_shared = len(parts) > 0, s.has_teams and s.team_share > 0.0
+    count_catches(chunk, s, width, sections, catches)
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
         reference = sections.progress_references[seat]
@@ -168,7 +162,7 @@ def reward_hunters(
             verdict = me[VERDICT + lane]
             granted = select(verdict == _GRANTED, 1.0, 0.0)
             of_team = granted
-            if in_teams:
+            if s.has_teams:
                 of_team = sections.team_rows[sections.teams[seat] * LANES + lane]
             rival = counts * (catches[lane] - of_team)
             lost = select(verdict == _LOST_CONTEST, 1.0, 0.0)
@@ -190,7 +184,7 @@ def reward_hunters(
                 + s.time_weight * elapsed
             )
             mate = 0.0
-            if in_teams:
+            if s.has_teams:
                 mate = counts * (of_team - granted)
                 total = total + s.mate_catch_weight * mate
                 sections.team_rows[(s.hunters + seat) * LANES + lane] = total
@@ -210,15 +204,7 @@ def reward_hunters(
             rewards[lane, seat] = amounts[lane]
             for column in range(len(PART_NAMES) if parts_wanted else 0):
                 parts[lane, seat, column] = amounts[(1 + column) * LANES + lane]
-
-
-@outlined
-def reward_teams(
-    chunk: Rows, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards, parts: Parts
-) -> None:
-    """R11.2: write the rewards of a scenario with teams; arguments as for `reward_hunters`."""
-    reward_hunters(chunk, s, width, lanes, True, sections, rewards, parts)
-    if s.team_share > 0.0:
+    if is_shared:
         share_rewards(chunk, s, width, lanes, sections, rewards)
 
 
@@ -238,14 +224,3 @@ def write_team_scores(
             row[lane] = total
         for lane in range(lanes):
             scores[lane, team] = row[lane]
-
-
-@phase
-def reward(
-    chunk: Rows, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards, parts: Parts
-) -> None:
-    """R6.2, R11.2: write the rewards of all hunters for this step; arguments as for `reward_hunters`."""
-    if s.has_teams:
-        reward_teams(chunk, s, width, lanes, sections, rewards, parts)
-    else:
-        reward_hunters(chunk, s, width, lanes, False, sections, rewards, parts)

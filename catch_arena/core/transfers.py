@@ -80,34 +80,6 @@ def prefetch(numbers: NDArray[np.float64], at: int) -> None:
 # ---- for the compiler ----
 
 
-def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
-    """Return eight lanes of four or eight columns of float32, as eight rows.
-
-    Two rounds of shuffles within the halves of a register pair columns. One round goes across the halves: crossing them
-    is slow.
-    """
-    pairs = [
-        shuffle(builder, columns[k], columns[k + 1], chosen)
-        for k in range(0, len(columns), 2)
-        for chosen in ([0, 8, 1, 9, 4, 12, 5, 13], [2, 10, 3, 11, 6, 14, 7, 15])
-    ]
-    fours = [
-        [
-            shuffle(builder, pairs[k + which], pairs[k + which + 2], chosen)
-            for which in (0, 1)
-            for chosen in ([0, 1, 8, 9, 4, 5, 12, 13], [2, 3, 10, 11, 6, 7, 14, 15])
-        ]
-        for k in range(0, len(pairs), 4)
-    ]  # the k-th of them has four columns of the lanes k and k + 4
-    if len(fours) == 1:
-        return [shuffle(builder, one, one, [half + i for i in range(4)]) for half in (0, 4) for one in fours[0]]
-    return [
-        shuffle(builder, left, right, [half + i for i in (0, 1, 2, 3, 8, 9, 10, 11)])
-        for half in (0, 4)
-        for left, right in zip(*fours, strict=True)
-    ]
-
-
 def _exchanged(builder: Any, rows: list[Any], sides: tuple[int, ...]) -> list[Any]:
     """Exchange the upper right and the lower left quarter of all squares of rows of eight lanes. Do so once for each of
     `sides`, half the side of the squares. With 1, 2 and 4, columns become rows and rows become columns.
@@ -123,8 +95,8 @@ def _exchanged(builder: Any, rows: list[Any], sides: tuple[int, ...]) -> list[An
     return rows
 
 
-def _transposed_doubles(builder: Any, columns: list[Any]) -> list[Any]:
-    """Return eight lanes of four or eight columns of float64, as eight rows."""
+def _transposed(builder: Any, columns: list[Any]) -> list[Any]:
+    """Return eight lanes of four or eight columns, as eight rows."""
     if len(columns) == 8:
         return _exchanged(builder, columns, (1, 2, 4))
     both = _exchanged(builder, columns, (1, 2))  # the k-th of them has the rows k and k + 4
@@ -153,14 +125,13 @@ def _put(function: Callable[..., Any], pieces_of: Callable[[int], list[tuple[int
             for index, part in enumerate(parts):
                 builder.store(part, pointer_to(context, builder, out, builder.add(at, at.type(index)), number))
             return context.get_dummy_value()
-        transposed = _transposed if array.dtype == types.float32 else _transposed_doubles
         zero = ir.Constant(low_level(number), None)
         for first, count in pieces_of(len(parts)):
             some = parts[first : first + count]
             some += [zero] * (count - len(some))
             row = Vector(array.dtype, count)
             offset = builder.add(at, at.type(first))
-            for value in transposed(builder, some):
+            for value in _transposed(builder, some):
                 pointer = pointer_to(context, builder, out, offset, row)
                 builder.store(value, pointer, align=array.dtype.bitwidth // 8)
                 offset = builder.add(offset, stride)

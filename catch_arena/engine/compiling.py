@@ -1,10 +1,11 @@
-"""Compilation of the rules, once in a process, with a printed line, since it takes seconds."""
+"""Line that is printed while the rules are compiled, since it takes seconds."""
 
 import gc
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import Final, NamedTuple
+from functools import cache, partial
+from typing import Final
 
 from catch_arena.core.cache import CACHE_DIRECTORY, on_miss
 from catch_arena.core.compiler import INTERPRETED
@@ -19,62 +20,30 @@ _KEPT: Final = (
 )
 
 
-class Variant(NamedTuple):
-    """Part of `tick.run` that is compiled."""
-
-    batch: bool
-    """True for many arenas, false for one."""
-    options: bool
-    """True for `state.ALL_OPTIONS`, false for the common rules."""
-
-    def __str__(self) -> str:
-        rules = "all rules" if self.options else "the common rules"
-        return f"{rules} for {'a batch' if self.batch else 'one arena'}"
-
-
-_compiled: Final[set[Variant]] = set()
-"""Variants that are compiled in this process, or are being compiled; a second thread waits for Numba's own lock."""
-
-
-def compile_once(variant: Variant, play: Callable[[], None]) -> None:
-    """Compile, or load from the cache, all that `play` calls, once in a process; print a line if it is compiled."""
-    if INTERPRETED or variant in _compiled:
-        return
-    _compiled.add(variant)
-    try:
-        with _announced(variant), _without_garbage_collection():
-            play()
-    except BaseException:
-        _compiled.discard(variant)
-        raise
+@cache
+def _announce(*, batch: bool, all_rules: bool) -> None:
+    """Print the line, once in a process."""
+    rules = f"{'all' if all_rules else 'the common'} rules for {'a batch' if batch else 'one arena'}"
+    seconds = _ALL_S if all_rules else _COMMON_S
+    sys.stderr.write(
+        f"catch_arena: compiling {rules}: about {seconds} s, and longer on a slow or busy machine; {_KEPT}\n"
+    )
 
 
 @contextmanager
-def _announced(variant: Variant) -> Iterator[None]:
-    """Print one line when the first function is compiled, and none if all come from the cache."""
-    seconds = _ALL_S if variant.options else _COMMON_S
-    lines = [f"catch_arena: compiling {variant}: about {seconds} s, and longer on a slow or busy machine; {_KEPT}\n"]
-
-    def announce() -> None:
-        if lines:
-            sys.stderr.write(lines.pop())
-
-    if CACHE_DIRECTORY is None:
+def announced(*, batch: bool, all_rules: bool) -> Iterator[None]:
+    """Print one line if something is compiled in this context, with the garbage collector off: it would scan the
+    compiler's many objects again and again.
+    """
+    announce = partial(_announce, batch=batch, all_rules=all_rules)
+    if CACHE_DIRECTORY is None and not INTERPRETED:
         announce()
     on_miss.append(announce)
-    try:
-        yield
-    finally:
-        on_miss.remove(announce)
-
-
-@contextmanager
-def _without_garbage_collection() -> Iterator[None]:
-    """Switch the garbage collector off: it would scan the compiler's many objects again and again."""
     enabled = gc.isenabled()
     gc.disable()
     try:
         yield
     finally:
+        on_miss.remove(announce)
         if enabled:
             gc.enable()

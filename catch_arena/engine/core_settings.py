@@ -1,5 +1,5 @@
-"""A config as the numbers that the core reads: scalars, each in the unit that its name ends in, and the limits of every
-seat.
+"""A config as the numbers that the core reads: scalars, each in the unit that its name ends in, the limits of every
+seat, and the shapes of the memory.
 """
 
 import math
@@ -10,11 +10,27 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig, PreyRewardWeights, RewardWeights
-from catch_arena.core.arbiter import POLICIES
+from catch_arena.core.arbiter import POLICIES, REQUEST_COLUMNS
 from catch_arena.core.math import PI, sincos
-from catch_arena.core.state import LANES, MOTIONS, PART_NAMES, PREY_PART_NAMES, SeatLimits, Settings, slot_rows
+from catch_arena.core.state import (
+    FINAL_TEAM_SCORE,
+    LANES,
+    MOST,
+    MOTIONS,
+    PART_NAMES,
+    PREY_PART_NAMES,
+    RANKS_PER_WORD,
+    WITHDRAWN,
+    SeatLimits,
+    Settings,
+    regions_of,
+    slot_rows,
+)
+from catch_arena.core.transfers import STREAMED, TILE
+from catch_arena.core.vectors import WIDE
 from catch_arena.core.visibility import ALL_ROUND, squared_limit
 from catch_arena.errors import require_type
+from catch_arena.layout import observation_size, prey_observation_size
 
 _SPAWN_LOW_M: Final = 0.5
 _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
@@ -105,3 +121,50 @@ def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
             for speed, turn_rate, reach_um in limits
         ]
     )
+
+
+def section_shapes(
+    config: ArenaConfig, settings: Settings, arenas: int, threads: int, *, with_infos: bool, auto_reset: bool
+) -> dict[str, tuple[int, ...]]:
+    """Return the shape of each of `memory.Sections`; those of scratch begin with the number of threads."""
+    hunters, prey, teams = config.hunters, config.prey, len(config.teams or ())
+    agents, ranks = hunters + prey, config.targets_seen + 1
+    columns = max(observation_size(config), prey_observation_size(config) if prey else 0)
+    with_parts, with_records = arenas if with_infos else 0, arenas if auto_reset else 0
+    size = regions_of(settings).end
+    tiles = (MOST + 1) * len(WIDE) * TILE
+    staging = len(WIDE) * agents * columns + STREAMED  # `put_rows` writes numbers after the end
+    return {
+        "settings": (len(settings),),
+        "start_poses": (0 if config.hunter_poses is None else hunters, 3),
+        "controls": (arenas, hunters),
+        "limits": (hunters, len(SeatLimits._fields)),
+        "teams": (hunters,),
+        "team_seats": (teams,),
+        "keys": (threads, MOST * LANES),
+        "target_tiles": (threads, tiles),
+        "body_tiles": (threads, tiles),
+        "staging": (threads, -(-staging // LANES) * LANES),  # whole cache lines: no two threads write to the same
+        "requests": (threads, hunters, REQUEST_COLUMNS),
+        "scratch_rows": (threads, (2 + len(PART_NAMES)) * LANES),  # as many as `rewards.reward` needs
+        "requested_slots": (threads, hunters, LANES),
+        "rival_orders": (threads, hunters, MOST // RANKS_PER_WORD * LANES),
+        "progress_references": (threads, hunters, 3 * LANES),
+        "team_rows": (threads, 2 * hunters * LANES if teams else 0),
+        "prey_references": (threads, prey, 4 * LANES),
+        "gathered_prey": (threads, prey, WITHDRAWN + LANES),
+        "snapshot": (threads, size),
+        "chunks": (-(-arenas // LANES), size),
+        "rewards": (arenas, agents),
+        "parts": (with_parts, hunters, len(PART_NAMES)),
+        "prey_parts": (with_parts, prey, len(PREY_PART_NAMES)),
+        "observations": (arenas, agents, columns),
+        "masks": (arenas, hunters, ranks),
+        "ends": (arenas,),
+        "active": (arenas if config.dropout_rate > 0.0 or prey else 0, agents),
+        "team_scores": (arenas, teams),
+        "final_observations": (with_records, agents, columns),
+        "final_masks": (with_records, hunters, ranks),
+        "lengths": (with_records,),
+        "records": (with_records, agents, FINAL_TEAM_SCORE + (1 if teams else 0)),
+    }

@@ -16,27 +16,23 @@ from catch_arena.core import dropouts, placing, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.memory import (
-    DTYPES,
     Bytes,
     Sections,
     copy_of,
     lay_out,
     offset_of,
-    scratch_shapes,
     sections_of,
     settings_in,
-    zeros,
 )
 from catch_arena.core.prey import withdraw_prey_at
-from catch_arena.core.state import ALL_OPTIONS, FINAL_TEAM_SCORE, LANES, PART_NAMES, PREY_PART_NAMES, Settings
+from catch_arena.core.state import ALL_OPTIONS, LANES
 from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
 from catch_arena.engine.chunk_views import RULING, ChunkViews, row_of
-from catch_arena.engine.compiling import Variant, compile_once
-from catch_arena.engine.core_settings import limits_by_seat, settings_of
+from catch_arena.engine.compiling import announced
+from catch_arena.engine.core_settings import limits_by_seat, section_shapes, settings_of
 from catch_arena.engine.world_reading import read_rulings, read_world
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError
-from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.seeding import checked_seed
 from catch_arena.text import shortened
 from catch_arena.threads import Threads
@@ -96,11 +92,9 @@ class Engine:
     ) -> None:
         settings = settings_of(config, with_parts=with_infos, any_control=any_control)
         options = state.options_of(settings)
-        variant = Variant(batch=num_arenas > 1, options=options == ALL_OPTIONS)
         width, view_width = (SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)
         self._kind = (width, view_width, options)
         """First argument of `tick.run`, whose type determines the compiled code."""
-        compile_once(variant, partial(_play_smallest, variant))
         self.config = config
         self.num_arenas = num_arenas
         self.with_infos = with_infos
@@ -109,13 +103,20 @@ class Engine:
         num_chunks = -(-num_arenas // LANES)
         self._num_parts = num_chunks * LANES * config.hunters // _HUNTERS_A_PART
         self.threads = Threads(max(1, min(num_threads, self._num_parts)))
-        self._bind_sections(
-            *lay_out(
-                _sections_for(
-                    config, settings, num_arenas, self.threads.size, with_infos=with_infos, auto_reset=auto_reset
-                )
-            )
+        shapes = section_shapes(
+            config, settings, num_arenas, self.threads.size, with_infos=with_infos, auto_reset=auto_reset
         )
+        memory, sections = lay_out(shapes)
+        sections.settings[:] = settings
+        if config.hunter_poses is not None:
+            sections.start_poses[:] = config.hunter_poses
+        sections.controls[:] = [CONTROLS[control] for control in config.controls]
+        sections.limits[:] = limits_by_seat(config)
+        sections.teams[:] = [min(config.team_seats[team]) for team in config.team_by_seat]
+        sections.team_seats[:] = [min(seats) for seats in config.teams or ()]
+        self._bind_sections(memory, sections)
+        with announced(batch=num_arenas > 1, all_rules=options == ALL_OPTIONS):
+            self._run_tick(0, 0, 0, _NO_RESETS, True, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)  # plays no chunk
         spare = num_arenas - (num_chunks - 1) * LANES
         # lanes without an arena hold only withdrawn hunters
         self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
@@ -424,41 +425,6 @@ class Engine:
         self._memory[:] = state
 
 
-def _sections_for(
-    config: ArenaConfig, settings: Settings, num_arenas: int, num_threads: int, *, with_infos: bool, auto_reset: bool
-) -> Sections:
-    """Return the sections of an engine's memory: tables with their values, and zeros."""
-    hunters, prey = config.hunters, config.prey
-    agents, columns = hunters + prey, observation_size(config)
-    columns = max(columns, prey_observation_size(config)) if prey else columns
-    num_chunks, num_rows = -(-num_arenas // LANES), row_of(state.regions_of(settings).end)
-    team_play = config.teams is not None
-    with_parts, with_records = num_arenas if with_infos else 0, num_arenas if auto_reset else 0
-    scratch = scratch_shapes(hunters, prey, num_rows, agents * columns, team_play=team_play)
-    return Sections(
-        settings=np.array(settings, dtype=np.float64),
-        start_poses=np.array(config.hunter_poses or (), dtype=np.float64).reshape(-1, 3),
-        controls=np.tile(np.array([CONTROLS[control] for control in config.controls], np.int8), (num_arenas, 1)),
-        limits=limits_by_seat(config),
-        teams=np.array([min(config.team_seats[team]) for team in config.team_by_seat]),
-        team_seats=np.array([min(seats) for seats in config.teams or ()], dtype=np.int64),
-        chunks=zeros(num_chunks, num_rows * LANES),
-        rewards=zeros(num_arenas, agents),
-        parts=zeros(with_parts, hunters, len(PART_NAMES)),
-        prey_parts=zeros(with_parts, prey, len(PREY_PART_NAMES)),
-        observations=zeros(num_arenas, agents, columns, dtype=np.float32),
-        masks=zeros(num_arenas, hunters, config.targets_seen + 1, dtype=np.int8),
-        ends=zeros(num_arenas, dtype=np.int8),
-        active=zeros(num_arenas if config.dropout_rate > 0.0 or prey else 0, agents, dtype=np.int8),
-        team_scores=zeros(num_arenas, len(config.teams or ())),
-        final_observations=zeros(with_records, agents, columns, dtype=np.float32),
-        final_masks=zeros(with_records, hunters, config.targets_seen + 1, dtype=np.int8),
-        lengths=zeros(with_records, dtype=np.float32),
-        records=zeros(with_records, agents, FINAL_TEAM_SCORE + (1 if team_play else 0), dtype=np.float32),
-        **{name: zeros(num_threads, *shape, dtype=DTYPES[name]) for name, shape in scratch.items()},
-    )
-
-
 def _write_rows(sections: Sequence[NDArray[np.uint8]], arena: int, saved: Bytes) -> None:
     begin = 0
     for rows in sections:
@@ -469,12 +435,3 @@ def _write_rows(sections: Sequence[NDArray[np.uint8]], arena: int, saved: Bytes)
 def _in_ms(ages: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return ages in seconds as whole milliseconds."""
     return np.floor(1000.0 * ages + 0.5)
-
-
-def _play_smallest(variant: Variant) -> None:
-    """Play one step of the smallest engine of this variant, which compiles all that a step calls."""
-    config = ArenaConfig(hunters=1, max_targets=1, initial_targets=1)
-    num_arenas = 2 if variant.batch else 1
-    smallest = Engine(config, num_arenas, any_control=variant.options)  # one option is enough: it compiles all
-    smallest.reset([0] * num_arenas)
-    smallest.step(np.zeros((num_arenas, 1), dtype=np.int64), np.zeros((num_arenas, 1, 2), dtype=np.float32))

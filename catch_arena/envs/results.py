@@ -38,7 +38,7 @@ class Results:
     ) -> None:
         self._arguments = config, engine, rows, controls, infos
         self._config, self._engine, self._rows, self._controls, self._level = self._arguments
-        # views of the engine's memory: `tick.play` writes the rewards by `rewards.reward_hunters`
+        # views of the engine's memory: `tick.play` writes the rewards by `rewards.reward`
         self._observations, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
         self._parts, self._prey_parts = engine.parts[0], engine.prey_parts[0]
         self._rulings, self._verdicts = engine.ruling_rows, engine.ruling_rows[:, 1]

@@ -65,7 +65,7 @@ class VectorArena:
       `episode` is a dict of their records. All agents have `length` [steps], `return` (rewards summed) and `rank` (1 is
       best, counted separately for hunters and prey; equal agents and team-mates share it), each (B, N). Hunters have
       `score`, `team_score` (without teams the same), `contests_won` and `contests_lost`, each (B, H). They also have
-      `verdicts`, (B, H, 11), the number of times that each verdict was given, in the order of `Verdict`. Prey has
+      `verdicts`, (B, H, 12), the number of times that each verdict was given, in the order of `Verdict`. Prey has
       `times_caught`, (B, P). Rows of other arenas keep the values of their last episode. All but `_final_obs` and
       `final_mask` are float32.
 

@@ -9,15 +9,15 @@ import pytest
 from catch_arena.config import ArenaConfig
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import unkept_entry
+from catch_arena.core.memory import lay_out, sections_of
 from catch_arena.core.ranking import (
+    Bodies,
     has_more_catches,
     is_listed_first,
     lead,
     measure_rivals,
-    note_positions,
+    order_bodies,
     pack_order,
-    resolve_ties,
-    sort_keys,
 )
 from catch_arena.core.state import (
     ABSENT,
@@ -25,7 +25,6 @@ from catch_arena.core.state import (
     COSINE,
     HUNTER_ROWS,
     LANES,
-    MOST,
     SCORE,
     SEAT_SIZE,
     SINE,
@@ -39,7 +38,7 @@ from catch_arena.core.state import (
     slot_at_rank,
 )
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
-from catch_arena.engine.core_settings import settings_of
+from catch_arena.engine.core_settings import section_shapes, settings_of
 
 LOOKS = (X, Y, SINE, COSINE, SPEED, SCORE)
 
@@ -76,17 +75,13 @@ def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round()
 
 
 @unkept_entry
-def sort(chunk, seat, width, lanes, s, teams, positions, keys, tied, order):
-    chunk, positions, keys = by_address(chunk), by_address(positions), by_address(keys)
-    tied, order = by_address(tied), by_address(order)
+def sort(memory, chunk, seat, width, lanes, s, order):
+    sections, chunk, order = sections_of(memory, 0), by_address(chunk), by_address(order)
     for first in range(0, played_lanes(width), len(width)):
-        note_positions(chunk, s, first, width, positions)
-        measure_rivals(chunk, s, first, width, seat, 0.0, positions, keys)
-        sort_keys(keys, s.hunters, s.hunters_seen + 1, first, width)
-        me, rows = seat_of(chunk, seat), chunk[seat_at(0) : seat_at(s.hunters)]
-        ranks = min(s.hunters_seen, s.hunters - 2)
-        resolve_ties(me, first, width, lanes, seat, rows, SEAT_SIZE, s.hunters, ranks, teams, True, keys, tied)
-        pack_order(keys, s.hunters, s.hunters_seen, first, width, order)
+        measure_rivals(chunk, s, first, width, seat, 0.0, sections.keys)
+        rivals = Bodies(chunk[seat_at(0) : seat_at(s.hunters)], SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
+        order_bodies(seat_of(chunk, seat), first, width, lanes, rivals, sections)
+        pack_order(sections.keys, s.hunters, s.hunters_seen, first, width, order)
 
 
 @pytest.mark.rule("R7.1")
@@ -95,10 +90,11 @@ def sort(chunk, seat, width, lanes, s, teams, positions, keys, tied, order):
 def test_r7_1_rivals_come_in_the_order_in_which_python_sorts_them(hunters, width) -> None:
     """On a coarse grid, where most are equally far from somebody, and many stand alike; some have withdrawn."""
     rng = np.random.default_rng(hunters)
-    s = settings_of(ArenaConfig(hunters=hunters), with_parts=False)
+    config = ArenaConfig(hunters=hunters)
+    s = settings_of(config, with_parts=False)
     lanes = LANES if len(width) > 1 else 1
-    positions, flags = np.zeros(2 * MOST * len(WIDE)), np.zeros(LANES)
-    keys = np.zeros(MOST * LANES, np.int32)  # what one leaves there another finds
+    # what one leaves in the scratch sections another finds
+    memory, sections = lay_out(section_shapes(config, s, 1, 1, with_infos=False, auto_reset=False))
     tied = 0
     for _ in range(160 // hunters if lanes > 1 else 400 // hunters):
         looks = rng.integers(0, 2, (hunters, len(LOOKS), LANES)).astype(float)
@@ -107,10 +103,10 @@ def test_r7_1_rivals_come_in_the_order_in_which_python_sorts_them(hunters, width
         for seat in range(hunters):
             at = seat_at(seat) + WITHDRAWN
             chunk[at : at + LANES] = rng.random(LANES) < 0.1
-        teams = rng.integers(0, hunters, hunters)
+        teams = sections.teams[:] = rng.integers(0, hunters, hunters)
         for seat in range(hunters):
             order = np.zeros(-(-s.hunters_seen // 8) * LANES)
-            sort(chunk, seat, width, lanes, s, teams, positions, keys, flags, order)
+            sort(memory, chunk, seat, width, lanes, s, order)
             for lane in range(lanes):
                 seen = [slot_at_rank(order, rank, lane) for rank in range(s.hunters_seen)]
                 expected, ties = by_python(chunk, seat, hunters, lane, teams)
