@@ -8,13 +8,13 @@ from pathlib import Path
 from catch_arena.errors import StoreError
 from catch_arena.files import prepare_folder
 from catch_arena.suite.contents import Suite, SuiteScenario
-from catch_arena.tournament.agent_check import play_first_step
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.cost import measure_cost
 from catch_arena.tournament.execution.executors import local_executor
 from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import PlayedMatch
@@ -64,15 +64,18 @@ class Evaluation:
     def cannot_play(self, sandbox: Sandbox | None) -> Iterator[tuple[str, str]]:
         """Yield the scenarios in which the agent fails at its first observation, and the reasons; no match is kept.
 
+        An observation may be wider or narrower than in other arenas. `idle` plays all other parties.
+
         Args:
             sandbox: the sandbox of an agent that is not trusted; None for a trusted one.
         """
         if self.agent.fault is not None:
             yield "any scenario", self.agent.fault
             return
+        (idle,) = enter(["idle"])
         for one in self.suite.scenarios:
-            # each hunter of its team has its own name already (isolation.playing)
-            result = play_first_step(one.config, self.suite.seed, [self.agent] * len(one.parties), sandbox)
+            entrants = [self.agent] + [idle] * (len(one.parties) - 1)
+            result = play_entrants(one.config, self.suite.seed, entrants, sandbox, most_steps=1)
             if (forfeit := result.forfeits[0]) is not None:
                 yield one.name, forfeit.reason
 

@@ -1,6 +1,6 @@
 """Check of an agent before a tournament: it plays against itself, and every fault is reported in words."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Final, Literal
 
@@ -9,7 +9,7 @@ from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, player_limits
 from catch_arena.text import last_lines
 from catch_arena.tournament.agent_spec import resolve
-from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
+from catch_arena.tournament.entrants import SHIPPED_PREY, Inspection, enter
 from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
@@ -101,28 +101,6 @@ def check_fitness(
         f"{name}: plays another match from step {step} on, given the same seed: "
         "draw from random.Random(seed) of reset, and not from the clock or the global random",
     )
-
-
-def play_first_step(config: ArenaConfig, seed: int, copies: Sequence[Entrant], sandbox: Sandbox | None) -> MatchResult:
-    """Play one step of a match, to check that an agent can read its observations.
-
-    An observation may be wider or narrower than in other arenas. The agent plays the first party of each side, and
-    `idle` plays all others.
-
-    Args:
-        config: the arena's settings.
-        seed: an integer in [0, 2^64).
-        copies: entrants of the agent, one for each party.
-        sandbox: runs agents that are not trusted; None if all are trusted.
-
-    Raises:
-        MatchFailedError: if the match could not be held.
-    """
-    parties = Parties.of(config)
-    (idle,) = enter(["idle"])
-    firsts = {parties.on(side).start or 0 for side in parties.sides}
-    seated = [copy if party in firsts else idle for party, copy in enumerate(copies)]
-    return play_entrants(config, seed, seated, sandbox, most_steps=1)
 
 
 def _findings(
