@@ -14,6 +14,7 @@ if __name__ == "__main__":
 
 import argparse
 import importlib
+import json
 import os
 import platform
 import re
@@ -32,8 +33,8 @@ from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentErro
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
 from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
-from catch_arena.suite.measures import AgentMeasures, measure
-from catch_arena.suite.references import FILE, references, references_text
+from catch_arena.suite.measures import AgentMeasures, facts_of, measure
+from catch_arena.suite.references import FILE
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import usable_cores
 from catch_arena.tournament.loading import shipped
@@ -82,12 +83,12 @@ def main() -> int:
         agents = enter(sorted(wanted, key=lambda name: name not in REFERENCES))  # references are needed most
         measured = [play(one, args.blocks) for one in agents]
         measured.sort(key=lambda one: -one.held_out.mean)
-        text, known = page(measured, args.blocks), {}
+        text = page(measured, args.blocks)
         card, heading, cross_play = PAGE.read_text(encoding="utf-8").partition(CROSS_PLAY)
         if args.agents:
-            text, known = merged(card, text, args.blocks), references(SUITE)
+            text = merged(card, text, args.blocks)
         write_whole(PAGE, (text + heading + cross_play).encode())
-        write_whole(FILE, references_text(SUITE, measured, known).encode())
+        write_whole(FILE, references_text(FILE.read_text(), measured).encode())
     except CatchArenaError as error:
         print(error, file=sys.stderr)
         return 2
@@ -157,6 +158,13 @@ def merged(card: str, page: str, most: int) -> str:
     texts = iter("".join(f"{rows[name]}\n" for name in order) for rows in tables)
     head = TABLE.sub(lambda _: next(texts), head)
     return head + "\n\n".join(sections[name] for name in order) + "\n"
+
+
+def references_text(before: str, measured: Sequence[AgentMeasures]) -> str:
+    """Return the text of references.json, `before` with newer figures of the references among these agents."""
+    figures = {one["agent"]: one for one in json.loads(before)["agents"]}
+    figures |= {one.agent.name: facts_of(SUITE, one, {}) for one in measured}
+    return json.dumps({"agents": [one for name, one in figures.items() if name in REFERENCES]}, indent=1) + "\n"
 
 
 def name_in(text: str) -> str:

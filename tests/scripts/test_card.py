@@ -1,5 +1,6 @@
 """`make card` writes a page with the results of every shipped agent."""
 
+import json
 import re
 import runpy
 from pathlib import Path
@@ -53,6 +54,13 @@ def test_the_page_says_what_was_measured():
     assert f"- Matches: {8 * len(SUITE.scenarios)}, of which it forfeited 0." in page
     assert shipped()["patrol"] in page
     assert "It is a training opponent of the suite, and plays against itself there." in page
+
+
+def test_newer_figures_of_references_take_the_place_of_older_ones():
+    before = CARD["references_text"]('{"agents": []}', [reached("patrol", [0.3]), reached("nearest", [0.4])])
+    after = CARD["references_text"](before, [reached("patrol", [0.5]), reached("idle", [0.0])])
+    found = {one["agent"]: one["scenarios"]["standard"]["score_by_block"] for one in json.loads(after)["agents"]}
+    assert found == {"patrol": [0.5] * 4, "nearest": [0.4] * 4}
 
 
 def test_the_card_in_the_docs_is_of_this_suite_and_has_every_shipped_agent():

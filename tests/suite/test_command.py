@@ -14,7 +14,6 @@ from catch_arena.suite import contents
 from catch_arena.suite.contents import Suite, SuiteScenario
 from catch_arena.suite.evaluation import Evaluation, enter_opponents
 from catch_arena.suite.measures import AgentMeasures, measure, measure_scenario, over_training_runs
-from catch_arena.suite.references import references_text
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import MoveTimes
 from catch_arena.training import Mlp
@@ -254,12 +253,11 @@ def test_the_gap_is_what_is_lost_in_held_out_scenarios():
 
 
 def test_references_are_compared_with_block_by_block(run, tmp_path, monkeypatch):
-    (agent,) = enter(["nearest"])
-    whole = measured_in_all(agent, tmp_path / "n")
+    """The references have the format that the command writes."""
     path = tmp_path / "references.json"
-    path.write_text(references_text(SMALL, [whole]))
+    assert run("nearest", "--json", "references.json").exit_code == 0
     monkeypatch.setattr("catch_arena.suite.references.references.__defaults__", (path,))
-    result = run("nearest", "--json", "numbers.json")
+    result = run("nearest", "--resume", "--json", "numbers.json")
     (figures,) = json.loads((tmp_path / "numbers.json").read_text())["agents"]
     of = figures["probability_of_improvement"]["nearest"]
     assert of["training"]["mean"] == of["held_out"]["mean"] == 0.5  # itself
