@@ -122,7 +122,6 @@ def serve(
         people=[number for number, (word, _) in nodes.items() if word == HUMAN],
         interfaces=bus.types,
         speed=speed,
-        wait=True,
         record=record,
         title=scenario or EXERCISE,
         log=echo,

@@ -1,8 +1,8 @@
 """A bus inside one process: what is sent is there at once, in the order in which it was sent."""
 
-from types import SimpleNamespace
+from concurrent.futures import Future
 
-from catch_arena.ros.middleware.bus import Bus, Call, Request
+from catch_arena.ros.middleware.bus import Bus, Client, Request
 
 
 class Hub:
@@ -49,13 +49,12 @@ class LocalBus(Bus):
         del kind
 
         def call(request):
-            found = Call()
+            found = Future()
             bus, on_request = self.hub.served[service]
-            answer = lambda response: setattr(found, "response", response)  # noqa: E731 - one line says it
-            bus._queue.append(lambda: on_request(Request(request, answer)))
+            bus._queue.append(lambda: on_request(Request(request, found.set_result)))
             return found
 
-        return SimpleNamespace(call=call, ready=service in self.hub.served)
+        return Client(lambda: service in self.hub.served, call)
 
     def publishers_of(self, topic):
         return len(self.hub.publishers.get(topic, ()))

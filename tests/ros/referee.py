@@ -78,7 +78,7 @@ class Spawner(Referee):
             x, y = self.random.uniform(0.5, 10.5), self.random.uniform(0.5, 10.5)
             request = SpawnRequest(x, y, 0.0, f"target_turtle_{len(self.calls) + 1}")
             self.calls.append((self.client.call(request), (x, y)))
-        there = [(call.response.name, *place) for call, place in self.calls if call.response is not None]
+        there = [(call.result().name, *place) for call, place in self.calls if call.done()]
         self.turtles = {name: (x, y) for name, x, y in there if name not in self.caught}
         self.publish(TurtleArray(tuple(Turtle(name, *place, 0.0) for name, place in self.turtles.items())))
 

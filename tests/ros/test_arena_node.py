@@ -108,7 +108,7 @@ def test_rulings_tell_verdict_distance_winner_and_clause():
     calls.append(match.request(match.a, "turtle1"))
     match.tick()
 
-    assert [answer.response for answer in calls] == [YES, NO, NO]
+    assert [answer.result(0) for answer in calls] == [YES, NO, NO]
     assert [one[1:9] for one in match.sent("/rulings")] == [
         (1, "hunter_0", name, "GRANTED", True, 0.2, "hunter_0", "R5.4"),
         (1, "hunter_0", name, "DUPLICATE", False, -1.0, "", "R5.2"),
@@ -204,7 +204,7 @@ def test_one_node_may_use_other_names_for_the_list_and_the_service(seats):
     ]
     answer = match.request(match.a, match.service.spawn(2.1, 2.0), "/catch_it")
     match.tick()
-    assert answer.response == YES
+    assert answer.result(0) == YES
     assert [len(one.turtles) for one in match.sent("/turtles")] == [1, 0]
 
 
@@ -214,7 +214,7 @@ def test_nobody_is_robbed_by_a_kill_from_afar(seats):
     near, far = match.service.spawn(2.1, 2.0), match.service.spawn(9.0, 9.0)
     calls = [match.a.client("/kill", TYPES.kill).call(Name(name)) for name in (far, near)]
     match.tick(2)
-    assert [answer.response for answer in calls] == [Empty(), Empty()]
+    assert [answer.result(0) for answer in calls] == [Empty(), Empty()]
     alive = [turtle.name for turtle in match.service.alive_turtles().turtles]
     if seats == 1:  # the first request of the step counts (R5.2)
         assert match.log_lines == [
@@ -236,7 +236,7 @@ def test_a_ruling_says_that_the_hunter_waits_for_a_partner():
     match = Match(hunters=2, hunter_poses=TWO, teams=((0, 1),), hunters_per_catch=2)
     answer = match.request(match.a, match.service.spawn(2.1, 2.0), "/hunter_0/catch_turtle")
     match.tick()
-    assert answer.response == NO
+    assert answer.result(0) == NO
     ruling = match.sent("/rulings")[-1]
     assert (ruling.verdict, ruling.success, ruling.clause, ruling.winner) == ("WAITING_FOR_PARTNER", False, "R5.10", "")
     assert ruling.reason == "too few hunters of its team asked for the target in this step (R5.10)"
@@ -272,7 +272,7 @@ def test_where_our_own_types_are_not_known_the_rest_is_published(monkeypatch):
     answer = match.request(match.a, match.service.spawn(2.1, 2.0))
     match.tick()
 
-    assert answer.response == YES
+    assert answer.result(0) == YES
     assert match.log_lines == []
 
 
@@ -316,7 +316,7 @@ def test_where_several_seats_are_for_nodes_the_shared_service_says_so():
     shared, own = match.request(match.a, name), match.request(match.a, name, "/hunter_0/catch_turtle")
     match.tick()
 
-    assert (shared.response, own.response) == (NO, YES)
+    assert (shared.result(0), own.result(0)) == (NO, YES)
     assert any("/hunter_0/catch_turtle" in line for line in match.log_lines)
 
 
@@ -374,8 +374,8 @@ def test_of_a_hunters_requests_in_one_step_only_the_first_four_are_judged():
         flood = [match.request(match.a, "nonsense", "/hunter_0/catch_turtle") for _ in range(300)]
         own = match.request(match.b, name, "/hunter_1/catch_turtle")
         match.tick()
-        assert [answer.response for answer in flood] == 300 * [NO]
-        assert own.response == YES
+        assert [answer.result(0) for answer in flood] == 300 * [NO]
+        assert own.result(0) == YES
         rulings = match.sent("/rulings")[before:]
         assert [one.hunter for one in rulings] == 4 * ["hunter_0"] + ["hunter_1"]
     assert len({one.target for one in rulings}) == 2
@@ -392,7 +392,7 @@ def test_spawn_kill_clear_and_reset_answer_at_once():
     def call(service, kind, request):
         found = match.a.client(service, kind).call(request)
         match.node.wait()
-        return found.response
+        return found.result(0)
 
     places = [(50.0, -7.0, 9.0), (1.0, 1.0, 2000.0), (1.0, 1.0, 3000.0), *[(1.0, 1.0, 0.0)] * 3]
     names = [call("/spawn", TYPES.spawn, SpawnRequest(*place, "tom")).name for place in places]

@@ -72,7 +72,7 @@ def test_services_are_answered_and_called_with_the_clients_id_and_a_number(ours,
     kill = made.client("/kill", TYPES.kill)
     requests, replies = node.client("/catch_turtle", wire.CATCH_TURTLE)
     killed, gone = node.server("/kill", wire.KILL)
-    until(lambda: all(end.matched() for end in (requests, replies, killed, gone)) and kill.ready)
+    until(lambda: all(end.matched() for end in (requests, replies, killed, gone)) and kill.ready())
     for number, name in enumerate(("tom", "x" * 100_001), start=7):
         requests.write(requests.handle, number, name)
         (response,) = until(lambda: made.spin() or replies.take())
@@ -82,7 +82,7 @@ def test_services_are_answered_and_called_with_the_clients_id_and_a_number(ours,
     assert kill_request.name == "tom"
     gone.write(kill_request.client + 1, kill_request.number, 0)
     gone.write(kill_request.client, kill_request.number, 0)
-    until(lambda: made.spin() or call.response is not None)
+    until(lambda: made.spin() or call.done())
 
 
 def test_what_cannot_be_read_is_left_out_and_the_next_is_heard(ours, domain):
@@ -182,7 +182,7 @@ def test_a_server_with_fast_dds_is_not_called(ours, stranger):
     ends = stranger.server("/served", wire.CATCH_TURTLE)
     until(lambda: all(end.matched() for end in ends))
     with pytest.raises(BusError) as error:
-        until(lambda: client.ready)
+        until(client.ready)
     assert str(error.value) == FAST_DDS.format("serves /served")
 
 

@@ -50,7 +50,7 @@ class Node:
         call = self.hub.bus("student").client("/catch_turtle", TYPES.catch_turtle).call(CatchTurtleRequest(name))
         self.bus.spin()
         self.play(1)
-        return call.response.success
+        return call.result(0).success
 
 
 @pytest.fixture

@@ -112,11 +112,11 @@ def test_a_service_that_nobody_serves_is_told(bridge, joined):
     """Once, in the server's words, since `ready` cannot know. No connection stays."""
     ours, log_lines = joined
     client = ours.client("/kill", EMPTY)
-    assert client.ready
+    assert client.ready()
     calls = [client.call(Empty()) for _ in range(3)]
     until(joined, lambda: log_lines and len(bridge[0].clients) == 1)
     assert log_lines == ["warning: rosbridge: /kill: Service /kill does not exist"]
-    assert [call.response for call in calls] == [None] * 3
+    assert [call.done() for call in calls] == [False] * 3
 
 
 def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
@@ -194,5 +194,5 @@ def test_a_call_holds_up_neither_topics_nor_services_nor_other_calls(bridge, joi
         send(other, op="call_service", service="/kill", args={})  # as a node does that is asked to catch one
         until(joined, lambda: frames(bridge, "service_response"))
         send(socket, op="service_response", id=requests[1]["id"], service="/catch_turtle", values={"success": True})
-        until(joined, lambda: calls[1].response is not None)
-    assert (calls[0].response, calls[1].response) == (None, CatchTurtleResponse(True))
+        until(joined, calls[1].done)
+    assert (calls[0].done(), calls[1].result(0)) == (False, CatchTurtleResponse(True))

@@ -27,12 +27,26 @@ LAST_TICK = 63
 """Of one second."""
 
 
-class InterruptedBus(LocalBus):
-    """Ctrl-C comes in one of its spins."""
+SETTLE = 62
+"""Spins of a second before the match, in which all seats are taken already."""
+
+
+class TakenBus(LocalBus):
+    """Each seat has a node from the beginning."""
+
+    def __init__(self):
+        super().__init__(Hub(), "arena")
+
+    def publishers_of(self, topic):
+        return int(topic.startswith("/hunter_"))
+
+
+class InterruptedBus(TakenBus):
+    """Ctrl-C comes in one of the spins of a match."""
 
     def __init__(self, when):
-        super().__init__(Hub(), "arena")
-        self.left = when
+        super().__init__()
+        self.left = SETTLE + when
 
     def spin(self, timeout_s=0.0):
         super().spin(timeout_s)
@@ -41,15 +55,14 @@ class InterruptedBus(LocalBus):
             raise KeyboardInterrupt
 
 
-def served(config, record=None, bus=None, log=lambda _: None, *, wait=False):
+def served(config, record=None, bus=None, log=lambda _: None):
     names = [f"p{seat}" for seat in range(config.hunters)]
     return serve_match(
-        bus if hasattr(bus, "__enter__") else nullcontext(bus or Hub().bus("arena")),
+        nullcontext(bus or TakenBus()),
         *(config, 5, {}, None),
         names=names,
         interfaces=Interfaces(),
         speed=100.0,
-        wait=wait,
         record=record,
         log=log,
     )
@@ -80,7 +93,7 @@ def test_what_nodes_do_is_seen_before_the_match_begins():
             return int(topic == "/turtle1/cmd_vel")
 
     log_lines = []
-    served(scenario("exercise", hunters=1, time_limit_s=1), None, Seen(Hub(), "arena"), log_lines.append, wait=True)
+    served(scenario("exercise", hunters=1, time_limit_s=1), None, Seen(Hub(), "arena"), log_lines.append)
     assert log_lines[0].endswith("start it with --ros-args -r /autobot/cmd_vel:=/turtle1/cmd_vel")
     assert log_lines[1] == "all seats are taken: the match begins"
 
@@ -100,7 +113,10 @@ def test_an_interrupt_in_the_match_ends_it_with_a_ranking(tmp_path):
     found = served(scenario("duel", time_limit_s=1), record, InterruptedBus(LAST_TICK - 20), log_lines.append)
     assert found.ranks == (1, 1)
     assert Replay.load(record).steps == LAST_TICK - 21
-    assert log_lines == ["the match was stopped after 1 s; this is the ranking until then"]
+    assert log_lines == [
+        "all seats are taken: the match begins",
+        "the match was stopped after 1 s; this is the ranking until then",
+    ]
 
 
 def test_teams_are_ranked_as_teams(capsys):

@@ -94,12 +94,12 @@ def test_r8_4_requests_between_two_steps_are_judged_together_in_the_next():
     far = match.request(match.b, name, "/hunter_1/catch_turtle")
     near = match.request(match.a, name, "/hunter_0/catch_turtle")
 
-    assert far.response is near.response is None
+    assert far.done() is near.done() is False
 
     shown = match.sent("/hunter_0/pose")[-1]
     match.tick()
 
-    assert (far.response, near.response) == (CatchTurtleResponse(False), CatchTurtleResponse(True))
+    assert (far.result(0), near.result(0)) == (CatchTurtleResponse(False), CatchTurtleResponse(True))
     assert [(one.verdict, one.step, one.distance) for one in match.sent("/rulings")] == [
         ("LOST_CONTEST", 1, 0.2),
         ("GRANTED", 1, 0.1),
@@ -109,7 +109,7 @@ def test_r8_4_requests_between_two_steps_are_judged_together_in_the_next():
     late = match.request(match.a, name, "/hunter_0/catch_turtle")
     match.tick()
 
-    assert (late.response, match.sent("/rulings")[-1].verdict) == (CatchTurtleResponse(False), "ALREADY_CAUGHT")
+    assert (late.result(0), match.sent("/rulings")[-1].verdict) == (CatchTurtleResponse(False), "ALREADY_CAUGHT")
 
 
 @pytest.mark.rule("R8.4", "R2.4")

@@ -2,8 +2,9 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
+from concurrent.futures import Future
 from dataclasses import dataclass
-from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, get_args
+from typing import Any, ClassVar, Final, Literal, NamedTuple, get_args
 
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType
 
@@ -50,14 +51,6 @@ class Request:
     """Function that sends the response."""
 
 
-class Call:
-    """A service's response that may still be under way."""
-
-    def __init__(self) -> None:
-        self.response: Any = None
-        """The response; None until it has come."""
-
-
 EndpointKind = Literal["publisher", "subscription", "service", "client"]
 
 
@@ -75,19 +68,16 @@ class Endpoint(NamedTuple):
     """True if the type has the name of ours and other fields."""
 
 
-class Client(Protocol):
+class Client(NamedTuple):
     """Client of one service."""
 
-    @property
-    def ready(self) -> bool:
-        """True if a node serves it, so that a call would be answered.
+    ready: Callable[[], bool]
+    """Function that returns True if a node serves it, so that a call would be answered.
 
-        Raises:
-            BusError: if its node cannot answer over this bus.
-        """
-
-    def call(self, request: Any) -> Call:
-        """Send a request; the response comes while the bus spins, or never."""
+    It raises BusError if its node cannot answer over this bus.
+    """
+    call: Callable[[Any], Future[Any]]
+    """Function that sends a request. The response comes while the bus spins, or never."""
 
 
 class Bus(ABC):

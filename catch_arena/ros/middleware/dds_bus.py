@@ -6,6 +6,7 @@ its response begin with the client's id and a number; nodes with Fast DDS put bo
 
 import time
 from collections.abc import Callable
+from concurrent.futures import Future
 from itertools import count
 from typing import Any, Final, NamedTuple
 
@@ -20,7 +21,7 @@ from cyclonedds.topic import Topic
 from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, SERVICE_DEPTH, SPIN_S, Bus, Call, Log, OnceLog, Request
+from catch_arena.ros.middleware.bus import DEPTH, SERVICE_DEPTH, SPIN_S, Bus, Client, Log, OnceLog, Request
 from catch_arena.ros.middleware.dds_domain import code_of, join
 from catch_arena.ros.middleware.dds_types import idl_struct, ros_name, to_sample
 from catch_arena.ros.middleware.fast_dds import FAST_DDS, FastDdsWatch, is_fast_dds
@@ -86,13 +87,39 @@ class DdsBus(Bus):
 
         reader = self._reader(f"rq{service}Request", kind.request, on_sample, user, header=True)
 
-    def client(self, service: str, kind: ServiceType) -> "_DdsClient":
+    def client(self, service: str, kind: ServiceType) -> Client:
         """Return a client of a service."""
         user = Policy.Userdata(f"clientid={self._next_id()};".encode())
         writer = self._writer(f"rq{service}Request", kind.request, user, header=True)
-        client = _DdsClient(service, kind, writer, self._write)
-        client.reply_reader = self._reader(f"rr{service}Reply", kind.response, client.on_sample, user, header=True)
-        return client
+        own = writer.get_instance_handle() & 2**64 - 1
+        numbers = count(1)
+        calls: dict[int, Future[Any]] = {}
+
+        def on_sample(sample: Any) -> None:  # all clients of the service share this topic
+            if sample.client == own and (call := calls.pop(sample.number, None)) is not None:
+                call.set_result(from_attributes(kind.response, sample))
+
+        replies = self._reader(f"rr{service}Reply", kind.response, on_sample, user, header=True)
+
+        def ready() -> bool:
+            if not (_matched(writer) and _matched(replies.reader)):
+                return False
+            for handle in writer.get_matched_subscriptions():
+                server = writer.get_matched_subscription_data(handle)
+                if server is not None and is_fast_dds(str(server.participant_key)):
+                    # Such a server never answers, and may run out of memory over the request.
+                    raise BusError(FAST_DDS.format(use=f"serves {service}"))
+            return True
+
+        def call(request: Any) -> Future[Any]:
+            number, answer = next(numbers), Future[Any]()
+            calls[number] = answer
+            if len(calls) > SERVICE_DEPTH:  # the oldest call is given up
+                del calls[next(iter(calls))]
+            self._write(writer, to_sample(kind.request, request, client=own, number=number))
+            return answer
+
+        return Client(ready, call)
 
     def publishers_of(self, topic: str) -> int:
         """Return the number of publishers of a subscribed topic."""
@@ -197,50 +224,6 @@ class _Reply(NamedTuple):
     sample: Any
     due_s: float
     """Monotonic time at which it is sent in any case [s]."""
-
-
-class _DdsClient:
-    """See `catch_arena.ros.middleware.bus.Client`."""
-
-    reply_reader: _Reader
-
-    def __init__(
-        self,
-        service: str,
-        kind: ServiceType,
-        writer: DataWriter[Any],
-        write: Callable[[DataWriter[Any], Any], None],
-    ) -> None:
-        self._service, self._kind, self._writer, self._write = service, kind, writer, write
-        self._own = writer.get_instance_handle() & 2**64 - 1
-        self._numbers = count(1)
-        self._calls: dict[int, Call] = {}
-
-    @property
-    def ready(self) -> bool:
-        """True if a node serves it."""
-        if not (_matched(self._writer) and _matched(self.reply_reader.reader)):
-            return False
-        for handle in self._writer.get_matched_subscriptions():
-            server = self._writer.get_matched_subscription_data(handle)
-            if server is not None and is_fast_dds(str(server.participant_key)):
-                # Such a server never answers, and may run out of memory over the request.
-                raise BusError(FAST_DDS.format(use=f"serves {self._service}"))
-        return True
-
-    def call(self, request: Any) -> Call:
-        """Send a request."""
-        number = next(self._numbers)
-        self._calls[number] = call = Call()
-        if len(self._calls) > SERVICE_DEPTH:  # the oldest call is given up
-            del self._calls[next(iter(self._calls))]
-        self._write(self._writer, to_sample(self._kind.request, request, client=self._own, number=number))
-        return call
-
-    def on_sample(self, sample: Any) -> None:
-        """Handle a response on the topic that all clients of the service share."""
-        if sample.client == self._own and (call := self._calls.pop(sample.number, None)) is not None:
-            call.response = from_attributes(self._kind.response, sample)
 
 
 def _matched(end: "DataReader[Any] | DataWriter[Any]") -> int:

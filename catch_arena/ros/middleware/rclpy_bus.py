@@ -2,12 +2,13 @@
 
 import time
 from collections.abc import Callable, Iterator
+from concurrent.futures import Future
 from contextlib import suppress
 from importlib import import_module
 from operator import attrgetter
 from typing import Any
 
-from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Bus, Call, Endpoint, EndpointKind, Request
+from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Bus, Client, Endpoint, EndpointKind, Request
 from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType, from_attributes
 from catch_arena.ros.middleware.ros_types import found_types, ros_class, turtlesim_package
 
@@ -130,9 +131,20 @@ class RclpyBus(Bus):
 
         self._node.create_service(ros_class(kind.name), service, handle, callback_group=self._group)
 
-    def client(self, service: str, kind: ServiceType) -> "_RclpyClient":
+    def client(self, service: str, kind: ServiceType) -> Client:
         """Return a client of a service."""
-        return _RclpyClient(self._node.create_client(ros_class(kind.name), service, callback_group=self._group), kind)
+        made = self._node.create_client(ros_class(kind.name), service, callback_group=self._group)
+
+        def call(request: Any) -> Future[Any]:
+            answer: Future[Any] = Future()
+
+            def done(ros_future: Any) -> None:
+                answer.set_result(from_attributes(kind.response, ros_future.result()))
+
+            made.call_async(to_ros(kind.request, request, ros_class(kind.name).Request())).add_done_callback(done)
+            return answer
+
+        return Client(made.service_is_ready, call)
 
     def publishers_of(self, topic: str) -> int:
         """Return the number of publishers of a topic."""
@@ -165,29 +177,6 @@ class RclpyBus(Bus):
         self._executor.shutdown()
         self._node.destroy_node()
         self._context.try_shutdown()
-
-
-class _RclpyClient:
-    """See `catch_arena.ros.middleware.bus.Client`."""
-
-    def __init__(self, client: Any, kind: ServiceType) -> None:
-        self._client, self._kind = client, kind
-
-    @property
-    def ready(self) -> bool:
-        """True if a node serves it."""
-        return bool(self._client.service_is_ready())
-
-    def call(self, request: Any) -> Call:
-        """Send a request."""
-        call = Call()
-
-        def done(future: Any) -> None:
-            call.response = from_attributes(self._kind.response, future.result())
-
-        message = to_ros(self._kind.request, request, ros_class(self._kind.name).Request())
-        self._client.call_async(message).add_done_callback(done)
-        return call
 
 
 def _fields(end: Any) -> Any:

@@ -5,7 +5,9 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable
+from concurrent.futures import Future
 from contextlib import ExitStack, suppress
+from functools import partial
 from itertools import count
 from typing import Any, Final, NamedTuple
 
@@ -13,7 +15,7 @@ from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SERVICE_DEPTH, SPIN_S, Bus, Call, Log, OnceLog, Request
+from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SERVICE_DEPTH, SPIN_S, Bus, Client, Log, OnceLog, Request
 from catch_arena.ros.middleware.interfaces import Field, MessageType, ServiceType, values_by_field
 from catch_arena.text import one_line, shortened
 
@@ -51,7 +53,7 @@ class _OpenCall(NamedTuple):
     connection: ClientConnection
     service: str
     response: MessageType
-    call: Call
+    call: Future[Any]
 
 
 class RosbridgeBus(Bus):
@@ -115,9 +117,12 @@ class RosbridgeBus(Bus):
         self._inboxes["call_service", service] = _Inbox(deque(maxlen=SERVICE_DEPTH), handle)
         self._send({"op": "advertise_service", "service": service, "type": kind.name})
 
-    def client(self, service: str, kind: ServiceType) -> "_BridgeClient":
-        """Return a client of a service."""
-        return _BridgeClient(lambda request: self._call(service, kind, request))
+    def client(self, service: str, kind: ServiceType) -> Client:
+        """Return a client of a service, which is always ready.
+
+        rosbridge itself waits for the server, and answers with an error if there is none.
+        """
+        return Client(lambda: True, partial(self._call, service, kind))
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Handle the frames that have come."""
@@ -191,9 +196,9 @@ class RosbridgeBus(Bus):
             self._warn_once(f"a message on {key[1]} cannot be read: {error}", key[1])
         return 1
 
-    def _call(self, service: str, kind: ServiceType, request: Any) -> Call:
+    def _call(self, service: str, kind: ServiceType, request: Any) -> Future[Any]:
         """Call a service over a new connection: rosbridge reads no further frame of a connection until the response."""
-        call = Call()
+        call: Future[Any] = Future()
         name = f"call_service:{service}:{next(self._ids)}"
         frame = {"op": "call_service", "id": name, "service": service, "args": to_json(kind.request, request)}
         with suppress(OSError, WebSocketException):
@@ -213,7 +218,7 @@ class RosbridgeBus(Bus):
             self._warn_once(f"{open_call.service}: {frame.get('values')}")
             return
         try:
-            open_call.call.response = from_json(open_call.response, frame.get("values"))
+            open_call.call.set_result(from_json(open_call.response, frame.get("values")))
         except ValueError as error:
             self._warn_once(f"a message on {open_call.service} cannot be read: {error}", open_call.service)
 
@@ -231,16 +236,6 @@ class RosbridgeBus(Bus):
         with suppress(TimeoutError, WebSocketException):
             while '"service_response"' not in str(self._connection.recv(_READ_S)):
                 pass
-
-
-class _BridgeClient:
-    """See `catch_arena.ros.middleware.bus.Client`."""
-
-    ready = True
-    """Always True: rosbridge itself waits for the server, and answers with an error if there is none."""
-
-    def __init__(self, call: Callable[[Any], Call]) -> None:
-        self.call = call
 
 
 def _connection_to(url: str, open_s: float) -> ClientConnection:

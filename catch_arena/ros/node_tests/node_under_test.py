@@ -58,7 +58,7 @@ class NodeUnderTest:
             BusError: if no node serves it, or if its node cannot answer over this bus.
         """
         end = time.monotonic() + _THERE_S
-        while not self._client.ready:
+        while not self._client.ready():
             if time.monotonic() > end:
                 raise BusError(f"no node serves {self._service} on this bus: does the node run, in the same domain?")
             self._bus.spin(0.05)
@@ -95,12 +95,12 @@ class NodeUnderTest:
         self._publish_for(settle_s, *position)
         call = self._client.call(CatchTurtleRequest(name))
         end = time.monotonic() + ANSWER_S
-        while call.response is None and time.monotonic() < end:
+        while not call.done() and time.monotonic() < end:
             self._publish_for(DT, *position)
-        if call.response is None and not self._has_answered:
+        if not call.done() and not self._has_answered:
             raise BusError(f"{self._service} does not answer on this bus: does the node run, in the same domain?")
         self._has_answered = True
-        return None if call.response is None else bool(call.response.success)
+        return bool(call.result().success) if call.done() else None
 
     def _publish_for(self, seconds: float, pose: Pose, alive: TurtleArray) -> None:
         """Publish a position for a time, every 16 ms as turtlesim does."""

@@ -5,6 +5,7 @@ It calls /catch_turtle for the targets within reach.
 
 import math
 import time
+from concurrent.futures import Future
 from dataclasses import replace
 from typing import Any, Final
 
@@ -14,9 +15,9 @@ from catch_arena.config import ArenaConfig, Gains
 from catch_arena.engine import Engine
 from catch_arena.envs.actions import checked_action
 from catch_arena.errors import ActionError, AgentError
-from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray
+from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
 from catch_arena.policy import Limits
-from catch_arena.ros.middleware.bus import Bus, Call, Log, OnceLog
+from catch_arena.ros.middleware.bus import Bus, Log, OnceLog
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, catch_turtle_of, cmd_vel_of, pose_of
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessage
 from catch_arena.tournament.players import Players
@@ -71,7 +72,7 @@ class Controller:
         self._targets: list[Turtle] = []
         self._listed_s: dict[str, float] = {}
         """Monotonic time at which each of the targets was first in the list [s]."""
-        self._calls: dict[str, tuple[Call, float]] = {}
+        self._calls: dict[str, tuple[Future[CatchTurtleResponse], float]] = {}
         """Unanswered requests by target, each with its monotonic time [s]."""
         self._caught = 0
         self._log_once = OnceLog(log)
@@ -158,7 +159,7 @@ class Controller:
         earlier = self._calls.get(name)
         if earlier is not None and now <= earlier[1] + _ANSWER_S:
             return
-        client = next((client for client in self._clients if client.ready), None)
+        client = next((client for client in self._clients if client.ready()), None)
         if client is not None:
             self._calls[name] = client.call(CatchTurtleRequest(name)), now
         else:
@@ -166,9 +167,9 @@ class Controller:
 
     def _read_answers(self) -> None:
         for name, (call, _) in list(self._calls.items()):
-            if call.response is not None:
+            if call.done():
                 del self._calls[name]
-                if call.response.success:
+                if call.result().success:
                     self._caught += 1
                     self._log(f"caught {name}: {self._caught}")
                     self._targets = [one for one in self._targets if one.name != name]  # the next list may be late

@@ -54,7 +54,6 @@ def serve_match(
     people: Collection[int] = (),
     interfaces: Interfaces,
     speed: float = 1.0,
-    wait: bool = True,
     record: Path | None = None,
     title: str = "",
     log: Log = print,
@@ -71,7 +70,6 @@ def serve_match(
         people: seats whose nodes only drive, as a keyboard's does: the arena requests catches for them (R4.4).
         interfaces: the packages of the types.
         speed: simulation speed; if it is not 1, the arena's time is published on /clock.
-        wait: whether the match begins when all seats are taken.
         record: the file of the replay.
         title: title of the replay.
         log: takes one line for each event that a user should see.
@@ -107,7 +105,7 @@ def serve_match(
         gc.freeze()  # a garbage collection of all loaded modules takes as long as several ticks
         stack.callback(gc.unfreeze)
         period_s = TICK_MS / 1000.0 / speed
-        if wait and node.seats:
+        if node.seats:
             _wait_for_nodes(node, Rate(period_s))
             log("all seats are taken: the match begins")
         rate = Rate(period_s)

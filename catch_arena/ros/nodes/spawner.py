@@ -5,6 +5,7 @@ It answers /catch_turtle by the rules of chapter 5.
 
 import math
 from collections.abc import Callable
+from concurrent.futures import Future
 from functools import partial
 from random import Random
 from typing import Any, Final
@@ -13,7 +14,7 @@ from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
 from catch_arena.core.physics import DT, TICK_MS
 from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Call, Log, Request
+from catch_arena.ros.middleware.bus import Bus, Log, Request
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, KILL, SPAWN, catch_turtle_of, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces, Name, SpawnRequest
 
@@ -60,7 +61,7 @@ class Spawner:
         """Number of the last name that was tried."""
         self._refused = 0
         """Number of taken names since the last target was spawned."""
-        self._spawning: tuple[Call, SpawnRequest, int] | None = None
+        self._spawning: tuple[Future[Name], SpawnRequest, int] | None = None
         """The call of /spawn that is not answered yet, its request and its tick; None if there is none."""
         self._poses: dict[str, Pose] = {}
         """The last pose of each hunter, by its name in turtlesim."""
@@ -77,11 +78,11 @@ class Spawner:
     @property
     def ready(self) -> bool:
         """True if there is a turtlesim."""
-        return self._spawn.ready and self._kill.ready
+        return self._spawn.ready() and self._kill.ready()
 
     def begin(self) -> None:
         """Start to answer catch requests, unless another node does."""
-        if self._bus.backend != "rosbridge" and self._referee.ready:  # rosbridge does not report services
+        if self._bus.backend != "rosbridge" and self._referee.ready():  # rosbridge does not report services
             self._log(f"another node serves {CATCH_TURTLE}: this node only spawns targets")
             return
         self._publish = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
@@ -124,13 +125,13 @@ class Spawner:
         if self._spawning is None:
             return
         call, request, since = self._spawning
-        if call.response is None:
+        if not call.done():
             if self._ticks > since + _ANSWER_TICKS:
                 self._spawning = None
                 self._log(f"warning: {SPAWN} does not answer")
             return
         self._spawning = None
-        name = call.response.name
+        name = call.result().name
         if name:
             self._refused = 0
             self._alive[name] = Turtle(name, request.x, request.y, request.theta)

@@ -25,19 +25,20 @@ def until(ready, *buses):
             bus.spin(0.01)
 
 
-until(lambda: client.ready and theirs.publishers_of("/out") and ours.listeners_to("/out"), ours, theirs)
+until(lambda: client.ready() and theirs.publishers_of("/out") and ours.listeners_to("/out"), ours, theirs)
 calls = [client.call(CatchTurtleRequest(name)) for name in "abc"]
 until(lambda: len(requests) == 3, ours, theirs)
-assert [call.response for call in calls] == [None] * 3
+assert [call.done() for call in calls] == [False] * 3
 by_name = dict(zip("abc", calls, strict=True))
 requests[1].answer(YES)  # later ones are heard while earlier ones wait
 publish(TwistMessage.of(1.0, 2.0))  # the answer leaves before it, without another spin of ours
-until(lambda: received and by_name[requests[1].message.name].response == YES, theirs)
+until(lambda: received and by_name[requests[1].message.name].done(), theirs)
+assert by_name[requests[1].message.name].result() == YES
 assert received == [TwistMessage.of(1.0, 2.0)]
 for one in (requests[0], requests[2]):
     one.answer(NO)
-until(lambda: all(call.response for call in calls), ours, theirs)
-assert sorted(call.response.success for call in calls) == [False, False, True]
+until(lambda: all(call.done() for call in calls), ours, theirs)
+assert sorted(call.result().success for call in calls) == [False, False, True]
 sys.stdout.write("right\n")
 for bus in (ours, theirs):
     bus.close()
