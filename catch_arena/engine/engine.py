@@ -35,7 +35,7 @@ from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError
 from catch_arena.seeding import checked_seed
 from catch_arena.text import shortened
-from catch_arena.threads import Threads
+from catch_arena.threads import run_in_threads
 from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
@@ -102,9 +102,9 @@ class Engine:
         self._any_control = any_control
         num_chunks = -(-num_arenas // LANES)
         self._num_parts = num_chunks * LANES * config.hunters // _HUNTERS_A_PART
-        self.threads = Threads(max(1, min(num_threads, self._num_parts)))
+        self.num_threads = max(1, min(num_threads, self._num_parts))
         shapes = section_shapes(
-            config, settings, num_arenas, self.threads.size, with_infos=with_infos, auto_reset=auto_reset
+            config, settings, num_arenas, self.num_threads, with_infos=with_infos, auto_reset=auto_reset
         )
         memory, sections = lay_out(shapes)
         sections.settings[:] = settings
@@ -199,7 +199,7 @@ class Engine:
         """
         chunks, num_parts = len(self.chunks), self._num_parts
         playing = True
-        if self.threads.size == 1:
+        if self.num_threads == 1:
             thread = first_chunk = 0
             self._run_tick(thread, first_chunk, chunks, _NO_RESETS, playing, choices, commands, requests)
             return
@@ -208,7 +208,7 @@ class Engine:
             first_chunk, stop_chunk = part * chunks // num_parts, (part + 1) * chunks // num_parts
             self._run_tick(thread, first_chunk, stop_chunk, _NO_RESETS, playing, choices, commands, requests)
 
-        self.threads.run(num_parts, play)
+        run_in_threads(self.num_threads, num_parts, play)
 
     def _observe(self, arenas: Sequence[int] | NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
         """Begin episodes, and write the observations and masks of the chunks that contain these arenas."""
@@ -401,7 +401,7 @@ class Engine:
     def clone(self) -> "Engine":
         """Return an independent engine in the same state."""
         twin = object.__new__(Engine)
-        twin.__dict__ = {**self.__dict__, "threads": Threads(self.threads.size)}
+        twin.__dict__.update(self.__dict__)
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))
         return twin
@@ -415,7 +415,7 @@ class Engine:
             Engine,
             with_infos=self.with_infos,
             auto_reset=self.auto_reset,
-            num_threads=self.threads.size,
+            num_threads=self.num_threads,
             any_control=self._any_control,
         )
         return make, (self.config, self.num_arenas), self._memory

@@ -166,8 +166,7 @@ class VectorArena:
         )
 
     def close(self) -> None:
-        """Stop the threads that were started. The arena can still be played."""
-        self._engine.threads.close()
+        """Do nothing: the arena holds nothing that must be released, and can still be played."""
 
     def observation_space(self, agent: int = 0) -> spaces.Box:
         """R7.1, R12.4: return the space of an agent's observations, without masks; `agent` is from 0 to N - 1."""

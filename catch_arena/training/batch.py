@@ -171,8 +171,7 @@ class LearnerBatch:
         return self._flat(self._masks[self._rows, self._seats]).astype(np.bool_)
 
     def close(self) -> None:
-        """End the threads of the batch."""
-        self.arena.close()
+        """Do nothing: the batch holds nothing that must be released."""
 
     def reset(
         self, seed: int | None = None, arenas: ArrayLike | None = None

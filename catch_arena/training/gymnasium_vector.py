@@ -113,10 +113,6 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
             infos |= self._with_rows(final, over)
         return step.observations, step.rewards.astype(np.float64), step.terminations, step.truncations, infos
 
-    def close_extras(self, **_: Any) -> None:
-        """End the threads of the batch."""
-        self.batch.close()
-
     @staticmethod
     def _with_rows(infos: dict[str, Any], rows: NDArray[np.bool_]) -> dict[str, Any]:
         return {**infos, **{f"_{name}": rows.copy() for name in infos}}

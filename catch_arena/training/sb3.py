@@ -85,8 +85,7 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 may be missi
             }
 
     def close(self) -> None:
-        """End the threads of the batch."""
-        self.batch.close()
+        """Do nothing: the batch holds nothing that must be released."""
 
     def action_masks(self) -> NDArray[np.bool_]:
         """Return the legal choices of every row: (N, K + 1)."""

@@ -4,6 +4,7 @@ import multiprocessing
 import re
 import threading
 import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
@@ -229,20 +230,34 @@ def test_threads_do_not_change_anything(threads):
 
 
 def test_more_threads_than_there_is_work_for_cost_nothing():
-    """Each has memory of its own, so that those which never play have none; and threads end when they are told to."""
-    arena = VectorArena(BUSY, 2000, 4096)
+    """Each has memory of its own, so that those which never play have none; and all arenas share them."""
+    arena, other = VectorArena(BUSY, 2000, 4096), VectorArena(BUSY, 2000, 2)
     arena.reset(seed=SEED)
-    before = set(threading.enumerate())  # some of them, from other tests, may end meanwhile
-    arena.step(np.zeros((2000, 5), dtype=int))
+    other.reset(seed=SEED)
+    hold = np.zeros((2000, 5), dtype=int)
+    arena.step(hold)
 
-    assert arena._engine.threads.size == 2
-    (started,) = set(threading.enumerate()) - before
-    for _ in range(2):
-        arena.close()
-        assert not started.is_alive()
-    arena.step(np.zeros((2000, 5), dtype=int))
-    assert repr(arena) == "<VectorArena: 2000 arenas, 5 hunters in each, target control>"
+    assert arena._engine.num_threads == 2
+    before = set(threading.enumerate())  # some of them, from other tests, may end meanwhile
+    other.step(hold)
     arena.close()
+    arena.step(hold)
+    assert set(threading.enumerate()) <= before
+    assert repr(arena) == "<VectorArena: 2000 arenas, 5 hunters in each, target control>"
+
+
+def test_arenas_that_step_at_the_same_time_share_the_threads():
+    hold = np.zeros((2000, 5), dtype=int)
+
+    def play(threads):
+        arena = VectorArena(BUSY, 2000, threads)
+        arena.reset(seed=SEED)
+        for _ in range(20):
+            arena.step(hold)
+        return arena.digest(1999)
+
+    with ThreadPoolExecutor(3) as pool:
+        assert len(set(pool.map(play, (1, 2, 2)))) == 1
 
 
 def step_in_a_child(arena, actions, queue):
