@@ -201,14 +201,7 @@ def _play_tournament(store: Store, plan: "Plan", executor: "Executor", max_forfe
             done += len(more)
             show(done, plan.size)
 
-        play_plan(
-            store,
-            plan,
-            executor,
-            max_forfeits=max_forfeits,
-            on_results=on_results,
-            on_planned=lambda planned: show(planned, plan.size, "planning"),
-        )
+        play_plan(store, plan, executor, max_forfeits=max_forfeits, on_results=on_results)
 
 
 def _require_free_folder(out: Path, parties: Parties, *, recorded: bool, force: bool) -> None:

@@ -110,14 +110,8 @@ class LeagueStore(Store):
             row = db.execute("SELECT id, block FROM match ORDER BY id DESC LIMIT 1").fetchone()
         return (int(row[0][1:].partition("-")[0]), row[1] + 1) if row else (0, 0)
 
-    def remove_waiting(self) -> None:
-        """Remove the matches that are planned and not played."""
-        with self.transaction() as db:
-            db.execute("DELETE FROM match WHERE id NOT IN (SELECT match FROM result)")
-
     def remove_old(self, most: int) -> None:
         """Remove the oldest blocks, so that at most `most` played matches are left."""
         with self.transaction() as db:
-            old = "(SELECT id FROM match WHERE block <= (SELECT block FROM match ORDER BY id DESC LIMIT 1 OFFSET ?))"
-            db.execute(f"DELETE FROM result WHERE match IN {old}", (most,))  # noqa: S608 - ours
-            db.execute(f"DELETE FROM match WHERE id IN {old}", (most,))  # noqa: S608 - ours
+            newest_old = "SELECT block FROM match ORDER BY id DESC LIMIT 1 OFFSET ?"
+            db.execute(f"DELETE FROM match WHERE block <= ({newest_old})", (most,))  # noqa: S608 - ours

@@ -25,7 +25,7 @@ from catch_arena.tournament.agent_spec import is_shipped, resolve
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import Executor, local_executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
-from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_waiting
+from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_and_store
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -176,7 +176,6 @@ def update_league(
         report(f"warning: {warning}")
     entries = with_own_names([*shipped_entries(parties.group), *entries])
     with _opened(folder, rules, secret) as store:
-        store.remove_waiting()  # of a run that was killed; the same agents now wait for the same matches
         before = store.count_played()
         _add_versions(store, folder, rules, entries, jobs, store.time_after(now), report)
         league = _play(store, folder, rules, entries, executor_of, on_progress)
@@ -333,12 +332,12 @@ def _play(
                 executor = stack.enter_context(executor_of(Worker(rules.config, able, True, rules.quotas)))
             draw = partial(about.secret.part("groups", number).seed, "groups")
             groups = next_blocks(waiting, pool, evidence, parties.group, draw)
-            store.plan(
+            blocks = [
                 block_of(players, about.secret, block, f"r{rounds + 1:05d}-g{block - first + 1:06d}", parties)
                 for block, players in enumerate(groups, number)
-            )
+            ]
             number += len(groups)
-            play_waiting(store, executor, streaks, played.extend)
+            play_and_store(store, blocks, executor, streaks, played.extend)
 
 
 def _present_path(spec: str, folder: Path) -> str:

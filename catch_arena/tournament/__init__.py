@@ -11,7 +11,7 @@ Files, from one match up:
 - parties: teams and single prey, each played by one entrant. players, match, match_loop, ranks: playing one match,
   and its result.
 - secret: the tournament's secret, and all seeds that follow from it.
-- store: planned and played matches. store_rows: its rows as objects, with checked values.
+- store: played matches.
 - agent_logs, export, standings_files: other files of a tournament.
 - agent_check, grading with grading_spec: one agent. comparison: two.
 

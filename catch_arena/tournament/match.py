@@ -66,10 +66,10 @@ class Forfeit(Struct, frozen=True, array_like=True, eq=False):
     observation: Observation | None = None
     """Observation in that step; None if there was none. A store does not keep it."""
     seat: int = -1
-    """Seat that failed; -1 if unknown. A store does not keep it."""
+    """Seat that failed; -1 if unknown."""
 
     late: bool = False
-    """True if the party was too slow, also with the code FORFEIT_INIT; a store does not keep it."""
+    """True if the party was too slow, also with the code FORFEIT_INIT."""
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, Forfeit) and (self.code, self.step) == (other.code, other.step)

@@ -178,7 +178,10 @@ class _RunningMatch:
             steps=world.step,
             digest=self._env.digest().hex(),
             forfeits=tuple(forfeits),
-            thinking=tuple(map(MoveTimes, self._moves, self._total_s, self._longest_s)),
+            thinking=tuple(
+                MoveTimes(moves, round(total_s, 6), round(longest_s, 6))
+                for moves, total_s, longest_s in zip(self._moves, self._total_s, self._longest_s, strict=True)
+            ),
             logs=tuple(_log([self._agents[seat] for seat in party], logs) for party in parties),
             lost_to_mates=tuple(self._lost_to_mates[party] for party in range(len(parties))) if teams else (),
             catches=tuple(catches) if teams else (),

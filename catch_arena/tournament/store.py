@@ -1,7 +1,8 @@
-"""Store of a tournament's planned and played matches: one SQLite file, which survives the end of any process.
+"""Store of a tournament's played matches: one SQLite file, which survives the end of any process.
 
 Each block is a separate transaction, in write-ahead mode: a killed process loses the matches under way, and no stored
-match. Storing a match twice changes nothing.
+match. Blocks are stored in the order of the plan, so a store has the first blocks of it. Storing a match twice changes
+nothing.
 """
 
 import os
@@ -9,11 +10,10 @@ import platform
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, fields, replace
 from importlib.metadata import version
-from itertools import groupby
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Any, Final, TypeVar
 
 import msgspec
 
@@ -21,10 +21,9 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.files import LEAST_FREE, is_full, is_loop, room
 from catch_arena.text import one_line
-from catch_arena.tournament import store_rows
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
-from catch_arena.tournament.match import Block, Match, PlayedMatch
+from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 
@@ -33,9 +32,7 @@ if TYPE_CHECKING:
 
 STORE: Final = "tournament.sqlite"
 _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: the kind of the file
-_FORMAT: Final = 5
-_PAGE: Final = 1000
-"""Number of waiting matches that are read at a time."""
+_FORMAT: Final = 6
 _PATIENCE_S: Final = 60.0
 """Longest time that another process may lock the file [s]."""
 _FULL: Final = "SQLITE_FULL"
@@ -47,26 +44,18 @@ CREATE TABLE versions (id INTEGER PRIMARY KEY, value TEXT NOT NULL UNIQUE);
 CREATE TABLE match (
     id TEXT PRIMARY KEY,
     block INTEGER NOT NULL,
-    seed INTEGER NOT NULL,
-    seating TEXT NOT NULL,
-    agent_seeds TEXT NOT NULL
-) WITHOUT ROWID;
-CREATE TABLE result (
-    match TEXT PRIMARY KEY REFERENCES match (id),
     versions INTEGER NOT NULL REFERENCES versions (id),
-    replay TEXT,
-    {results}
-) WITHOUT ROWID;
-"""
-_COLUMNS: Final = ", ".join(f"{name} TEXT NOT NULL" for name in store_rows.RESULTS)
-"""Columns of a result, one for each part, as JSON; logs are files."""
-_STATEMENTS: Final = tuple(_TABLES.format(results=_COLUMNS).strip().removesuffix(";").split(";\n"))
-_ADD: Final = f"INSERT OR IGNORE INTO result VALUES (?, ?, ?{', ?' * len(store_rows.RESULTS)})"  # noqa: S608
-_VERSIONS: Final = "SELECT id, value FROM versions"
-_PLAYED: Final = (
-    f"SELECT versions, match.*, replay, {', '.join(store_rows.RESULTS)} "  # noqa: S608
-    "FROM result JOIN match ON match = id ORDER BY id LIMIT ?"
+    played TEXT NOT NULL
 )
+"""
+"""Tables; `played` is a `PlayedMatch` as JSON."""
+_BY_PARTY: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "forfeits", "thinking")
+
+T = TypeVar("T")
+
+
+class DamagedError(Exception):
+    """Error for a stored value that no command has written; the text names the table, the row and the value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +93,7 @@ class Tournament:
             values["config"] = ArenaConfig.from_dict(config)  # integers stay integers
             return msgspec.convert(values, cls)
         except (ValueError, TypeError, RecursionError) as error:  # msgspec's are ValueErrors
-            raise store_rows.DamagedError(f"table fact: {error}") from None
+            raise DamagedError(f"table fact: {error}") from None
 
     @property
     def secret(self) -> Secret:
@@ -203,25 +192,16 @@ class Store:
     def ended(self) -> bool:
         """True if the plan has been played to its end; its secret must not be shown earlier."""
         with self._store_errors():
-            return self._facts().get("ended") == "true"
+            return 0 < self._planned() <= self.count_played()
+
+    def set_planned(self, matches: int) -> None:
+        """Write the number of matches of the plan; the largest possible number if it depends on their results."""
+        with self.transaction() as db:
+            db.execute("INSERT OR REPLACE INTO fact VALUES ('planned', ?)", (_json(matches),))
 
     def end(self) -> None:
-        """Mark the plan as played to its end."""
-        with self.transaction() as db:
-            db.execute("INSERT OR REPLACE INTO fact VALUES ('ended', 'true')")
-
-    def plan(self, blocks: Iterable[Block]) -> int:
-        """Write blocks that will be played, all or none, and return the number of their matches."""
-        count = 0
-        with self.transaction() as db:
-            before = db.total_changes
-            for match in (match for block in blocks for match in block):
-                row = (match.id, match.block, match.seed, _json(match.seating), _json(match.agent_seeds))
-                db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?, ?)", row)
-                count += 1
-            if db.total_changes > before:  # the plan may be longer than before
-                db.execute("DELETE FROM fact WHERE name = 'ended'")
-        return count
+        """Mark the plan as played to its end: it has no more matches than the store."""
+        self.set_planned(self.count_played())
 
     def add(self, block: Iterable[PlayedMatch]) -> None:
         """Write played matches, all or none; a match that was stored before is not changed."""
@@ -230,33 +210,11 @@ class Store:
                 self._add_match(one)
 
     def _add_match(self, one: PlayedMatch) -> None:
-        parts = {column: getattr(one.result, name) for column, name in store_rows.RESULTS.items()}
-        parts["thinking"] = [
-            (part.moves, round(part.total_s, 6), round(part.longest_s, 6)) for part in one.result.thinking
-        ]
-        parts["details"] = [part and (part.code, part.step, part.reason) for part in one.result.forfeits]
-        self._db.execute(_ADD, (one.match.id, self._versions, one.replay, *map(_json, parts.values())))
-
-    def waiting(self) -> Iterator[Block]:
-        """Yield the blocks that are planned and not played, in the order of the plan."""
-        for _, block in groupby(self._waiting(), key=lambda match: match.block):
-            yield tuple(block)
-
-    def _waiting(self) -> Iterator[Match]:
-        """Yield the waiting matches, read in pages: other results are written meanwhile."""
-        after, shape = "", self._shape()
-        while True:
-            with self._store_errors():
-                found = self._db.execute(
-                    "SELECT match.* FROM match LEFT JOIN result ON match = id "
-                    "WHERE result.match IS NULL AND id > ? ORDER BY id LIMIT ?",
-                    (after, _PAGE),
-                ).fetchall()
-                page = [store_rows.decode_match(row, *shape) for row in found]
-            if not page:
-                return
-            yield from page
-            after = page[-1].id
+        """Write a match without its logs, which are files, and without the observations of forfeits."""
+        forfeits = (part and msgspec.structs.replace(part, observation=None) for part in one.result.forfeits)
+        kept = replace(one, result=replace(one.result, logs=(), forfeits=tuple(forfeits)))
+        row = (one.match.id, one.match.block, self._versions, _json(kept))
+        self._db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?)", row)
 
     def played(self, most: int = -1) -> Iterator[PlayedMatch]:
         """Return the played matches in the order of the plan: at most `most`, or all if -1."""
@@ -264,19 +222,26 @@ class Store:
 
     def records(self, most: int = -1) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
         """Yield the played matches, as `played` does, each with the package versions that played it."""
-        shape = self._shape()
+        tournament = self.tournament
+        parties, entrants = len(Parties.of(tournament.config)), len(tournament.entrants)
         with self._store_errors():
-            known = {key: store_rows.decode_versions(key, text) for key, text in self._db.execute(_VERSIONS)}
-            for by, *row in self._db.execute(_PLAYED, (most,)):
-                yield store_rows.decode_played_match(row, *shape), known[by]
+            rows = self._db.execute("SELECT id, value FROM versions")
+            known = {key: _decode(dict[str, str], f"table versions, row {key}", text) for key, text in rows}
+            rows = self._db.execute("SELECT id, versions, played FROM match ORDER BY id LIMIT ?", (most,))
+            for name, by, text in rows:
+                where = f"table match, row {name}"
+                played = _decode(PlayedMatch, where, text)
+                _require_fit(played, where, parties, entrants)
+                yield played, known[by]
 
     def count_played(self) -> int:
         """Return the number of played matches."""
-        return self._count("result")
+        return self._count("match")
 
     def count_planned(self) -> int:
-        """Return the number of planned matches so far, played ones included."""
-        return self._count("match")
+        """Return the number of planned matches; that of played ones if no number is written, as in a league."""
+        with self._store_errors():
+            return self._planned() or self.count_played()
 
     def close(self) -> None:
         """Close the file."""
@@ -290,7 +255,7 @@ class Store:
             self._db.execute("PRAGMA foreign_keys = ON")
         with self.transaction() as db:
             if not begun and not self._has_tables():
-                for statement in _STATEMENTS:
+                for statement in _TABLES.split(";"):
                     db.execute(statement)
                 db.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
                 db.execute(f"PRAGMA user_version = {_FORMAT}")
@@ -327,16 +292,16 @@ class Store:
         with self._store_errors():
             (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
             if found != "ok":
-                raise store_rows.DamagedError(str(found))
+                raise DamagedError(str(found))
         return True
 
     def _facts(self) -> dict[str, str]:
         return dict(self._db.execute("SELECT name, value FROM fact"))
 
-    def _shape(self) -> tuple[int, int]:
-        """Return the number of parties in a match, and the number of entrants."""
-        tournament = self.tournament
-        return len(Parties.of(tournament.config)), len(tournament.entrants)
+    def _planned(self) -> int:
+        """Return the number of planned matches; 0 if none is written."""
+        rows = self._db.execute("SELECT value FROM fact WHERE name = 'planned'")
+        return next((_decode(int, "table fact, row planned", text) for (text,) in rows), 0)
 
     def _count(self, table: str) -> int:
         with self._store_errors():
@@ -359,7 +324,7 @@ class Store:
     def _store_errors(self) -> Iterator[None]:
         try:
             yield
-        except store_rows.DamagedError as error:
+        except DamagedError as error:
             raise StoreError(f"{self.path}: is damaged: {one_line(str(error))}") from None
         except UnicodeError:  # in a message of SQLite
             raise StoreError(f"{self.path}: is damaged: it holds what is no text") from None
@@ -376,13 +341,11 @@ class Store:
         return f"cannot be written: {why}: {room(folder, needed)}"
 
     def _bytes_needed(self) -> int | None:
-        """Return the approximate size of the waiting matches [bytes]; None if no plan is written yet."""
-        with suppress(sqlite3.Error):
-            (count,) = self._db.execute(
-                "SELECT count(*) FROM match LEFT JOIN result ON match = id WHERE result.match IS NULL"
-            ).fetchone()
-            for (seating,) in self._db.execute("SELECT seating FROM match LIMIT 1"):
-                return int(count) * store_bytes(str(seating).count(",") + 1)
+        """Return the approximate size of the matches that are not played yet [bytes]; None if it is unknown."""
+        with suppress(sqlite3.Error, DamagedError):
+            (played,) = self._db.execute("SELECT count(*) FROM match").fetchone()
+            parties = Parties.of(Tournament.of(self._facts()).config)
+            return max(0, self._planned() - played) * store_bytes(len(parties)) or None
         return None
 
 
@@ -428,7 +391,7 @@ def versions() -> dict[str, str]:
 
 def store_bytes(parties: int) -> int:
     """Return the approximate size of a match in the store [bytes] (docs/howto/long_runs.md)."""
-    return 90 + 84 * parties
+    return 400 + 90 * parties
 
 
 def difference(there: Tournament, here: Tournament) -> str | None:
@@ -456,6 +419,23 @@ def difference(there: Tournament, here: Tournament) -> str | None:
 
 def _shown(value: object) -> str:
     return "not given" if value is None else _json(value)
+
+
+def _decode(kind: type[T], where: str, text: str) -> T:
+    try:
+        return msgspec.json.decode(text, type=kind)
+    except (ValueError, TypeError, RecursionError) as error:  # msgspec's are ValueErrors
+        raise DamagedError(f"{where}: {error}") from None
+
+
+def _require_fit(one: PlayedMatch, where: str, parties: int, entrants: int) -> None:
+    """Check that a match fits a tournament with these numbers of parties in a match and of entrants."""
+    for part, names in ((one.match, ("seating", "agent_seeds")), (one.result, _BY_PARTY)):
+        for name in names:
+            if len(getattr(part, name)) != parties:
+                raise DamagedError(f"{where}: {name} must be {parties}")
+    if not all(0 <= index < entrants for index in one.match.seating):
+        raise DamagedError(f"{where}: seating must have indices of {entrants} entrants")
 
 
 def _json(value: object) -> str:

@@ -77,7 +77,7 @@ def league(folder, *words):
 
 def matches(folder):
     with sqlite3.connect(folder / ".league" / "tournament.sqlite") as db:
-        return dict(db.execute("SELECT match, digest FROM result"))
+        return dict(db.execute("SELECT id, json_extract(played, '$.result.digest') FROM match"))
 
 
 def page_of(folder, name):

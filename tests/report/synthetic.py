@@ -24,6 +24,7 @@ def tournament(
     names: Sequence[str] = NAMES,
     *,
     most: int | None = None,
+    planned: int | None = None,
     forfeits: bool = False,
     terms: dict[str, bool] | None = None,
     specs: Sequence[str] = (),
@@ -36,6 +37,7 @@ def tournament(
         names: of the agents.
         rounds: of the plan.
         most: play no more matches than so many.
+        planned: how many matches are planned, else those of the rounds.
         forfeits: whether the last agent crashes now and then.
         terms: what the store says of how it is played.
         specs: of the agents, else files.
@@ -52,7 +54,7 @@ def tournament(
     with Store.begin(
         Tournament(config, entrants, plan.parameters, secret.text, terms or {}), folder, resume=True
     ) as store:
-        store.plan(plan.stage(0, ()))
+        store.set_planned(planned or plan.size)
         played = []
         for number, match in enumerate(plan):
             if most is not None and number >= most:

@@ -50,7 +50,7 @@ def test_the_page_follows_the_tournament(tmp_path):
 def test_the_seed_is_served_when_play_has_ended_and_not_before(tmp_path):
     digits = Secret.of(1).digits
     with serve(LiveReport(tmp_path)) as address:
-        tournament(tmp_path, 1, most=60)  # --until-separated stands like this between two looks
+        tournament(tmp_path, 1, most=60, planned=120)  # --until-separated stands like this between two looks
         assert digits not in fetched(address)
         assert "shown when the tournament has ended" in fetched(address)
         tournament(tmp_path, 1)

@@ -33,7 +33,7 @@ def whole(tmp_path_factory):
     with Store.begin(FACTS, folder) as store, Executor(Worker(CONFIG, ENTRANTS)) as executor:
         play_plan(store, PLAN, executor)
     with closing(sqlite3.connect(folder / STORE)) as db, db:
-        db.execute("DELETE FROM result WHERE match > 'r00002-g000002'")
+        db.execute("DELETE FROM match WHERE id > 'r00002-g000002'")
     return folder
 
 
@@ -100,15 +100,16 @@ FORGED = {
     "a config of another kind": "UPDATE fact SET value = '[1]' WHERE name = 'config'",
     "entrants of another kind": "UPDATE fact SET value = '{}' WHERE name = 'entrants'",
     "another ruleset": "UPDATE fact SET value = '\"catch_arena_v9\"' WHERE name = 'ruleset'",
-    "no JSON": "UPDATE result SET scores = 'x'",
-    "too few scores": "UPDATE result SET scores = '[1]'",
-    "wrong seats": "UPDATE match SET seating = '[0,7]'",
-    "too few seats": "UPDATE match SET seating = '[0]'",
-    "seats that are no numbers": "UPDATE match SET seating = '[0,true]'",
-    "a seed that is text": "UPDATE match SET seed = 'x'",
+    "no number of matches": "UPDATE fact SET value = 'x' WHERE name = 'planned'",
+    "no JSON": "UPDATE match SET played = 'x'",
+    "too few scores": "UPDATE match SET played = json_set(played, '$.result.scores', json('[1]'))",
+    "wrong seats": "UPDATE match SET played = json_set(played, '$.match.seating', json('[0,7]'))",
+    "too few seats": "UPDATE match SET played = json_set(played, '$.match.seating', json('[0]'))",
+    "seats that are no numbers": "UPDATE match SET played = json_set(played, '$.match.seating', json('[0,true]'))",
+    "a seed that is text": "UPDATE match SET played = json_set(played, '$.match.seed', 'x')",
     "versions of another kind": "UPDATE versions SET value = '[]'",
-    "a value that is no text": "UPDATE result SET digest = x'22fffe22'",
-    "no table": "DROP TABLE result",
+    "a value that is no text": "UPDATE match SET played = x'22fffe22'",
+    "no table": "DROP TABLE match",
     "a seed that is none": "UPDATE fact SET value = '\"-1\"' WHERE name = 'seed'",
 }
 
@@ -122,12 +123,13 @@ def test_a_store_with_a_wrong_value_is_one_line_to_every_reader(whole, tmp_path,
 
 def test_the_line_names_the_file_the_table_and_the_row(whole, tmp_path):
     folder = tmp_path / "forged"
-    changed(whole, folder, "UPDATE result SET scores = '[1,\"x\"]' WHERE match = 'r00001-g000001-s01'")
+    statement = "UPDATE match SET played = json_set(played, '$.result.scores', json(?)) WHERE id = 'r00001-g000001-s01'"
+    changed(whole, folder, statement, ['[1,"x"]'])
     with Store.read(folder) as store, pytest.raises(StoreError) as raised:
         list(store.played())
     assert str(raised.value) == (
-        f"{folder / STORE}: is damaged: table result, row r00001-g000001-s01: "
-        "Expected `int`, got `str` - at `$.scores[1]`"
+        f"{folder / STORE}: is damaged: table match, row r00001-g000001-s01: "
+        "Expected `int`, got `str` - at `$.result.scores[1]`"
     )
 
 

@@ -95,7 +95,7 @@ def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
 
 def test_while_it_is_played_it_tells_no_seed_of_what_is_to_come(store, tmp_path):
     with new_store(FACTS) as under_way:
-        under_way.plan(PLAN.stage(0, ()))
+        under_way.set_planned(PLAN.size)
         under_way.add(list(store.played())[:2])
         export(under_way, "jsonl", tmp_path / "m")
     lines = [json.loads(line) for line in (tmp_path / "m").read_text().splitlines()]

@@ -12,6 +12,9 @@ from tournament.seats import blocks_of, hunters
 from catch_arena import scenario
 from catch_arena.errors import OtherTournamentError, StoreError
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.execution.executors import Executor
+from catch_arena.tournament.execution.runner import play_plan
+from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.match import Forfeit, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
 from catch_arena.tournament.store import STORE, Store, Tournament
@@ -30,14 +33,14 @@ def played():
 @pytest.fixture
 def store(tmp_path):
     with Store.begin(FACTS, tmp_path) as store:
-        store.plan(PLAN.stage(0, ()))
+        store.set_planned(PLAN.size)
         yield store
 
 
 def begun(folder):
     """A tournament that got as far as its plan."""
     with Store.begin(FACTS, folder) as store:
-        store.plan(PLAN.stage(0, ()))
+        store.set_planned(PLAN.size)
 
 
 def begin(folder, facts=FACTS, *, resume=False):
@@ -62,16 +65,51 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
         result = next(again.played()).result
         assert (result.thinking, result.forfeits[1].reason) == (strange.thinking, "it fell")
         assert again.tournament == FACTS
-        assert list(again.waiting()) == []
 
 
-def test_what_waits_is_what_was_not_played_in_the_order_of_the_plan(store, played, monkeypatch):
-    monkeypatch.setattr("catch_arena.tournament.store._PAGE", 5)
-    assert list(store.waiting()) == blocks_of(PLAN)
-    store.add([played[3], played[0]])
-    rest = [match for match in PLAN if match not in {played[3].match, played[0].match}]
-    assert [match for block in store.waiting() for match in block] == rest
-    assert (store.count_played(), store.count_planned()) == (2, 12)
+class Notes(Executor):
+    """Executor that notes the blocks that it plays."""
+
+    def __init__(self):
+        super().__init__(Worker(SHORT, ENTRANTS))
+        self.blocks = []
+
+    def submit(self, matches, excluded):
+        self.blocks.append(matches)
+        return super().submit(matches, excluded)
+
+
+def test_what_is_played_is_what_was_not_kept_in_the_order_of_the_plan(store, played):
+    store.add(played[:4])
+    assert (store.count_played(), store.count_planned()) == (4, 12)
+    seen, executor = [], Notes()
+    play_plan(store, PLAN, executor, on_results=seen.append)
+    assert executor.blocks == blocks_of(PLAN)[2:]
+    assert seen == [played[:4], *(played[first : first + 2] for first in range(4, 12, 2))]
+    assert list(store.played()) == played
+
+
+@pytest.mark.parametrize(
+    ("change", "row"),
+    [
+        (lambda kept: kept[2:], "r00001-g000001-s00"),
+        (lambda kept: kept[:3], "r00001-g000002-s00"),
+        (
+            lambda kept: [*kept[:3], PlayedMatch(dataclasses.replace(kept[3].match, seed=0), kept[3].result)],
+            "r00001-g000002-s00",
+        ),
+    ],
+)
+def test_matches_of_another_plan_are_refused_and_none_is_played(store, tmp_path, played, change, row):
+    """The store lacks a block, or a match of one, or a seed differs."""
+    store.add(change(played[:6]))
+    executor = Notes()
+    with pytest.raises(StoreError) as raised:
+        play_plan(store, PLAN, executor)
+    assert str(raised.value) == (
+        f"{tmp_path / STORE}: is damaged: table match, row {row}: its block is not that of the plan"
+    )
+    assert not executor.blocks
 
 
 def test_keeping_a_match_again_changes_nothing(store, played):
@@ -125,13 +163,14 @@ def test_it_keeps_its_secret_from_others_and_until_the_end(store, tmp_path, play
     assert Store.tournament_in(tmp_path) == FACTS
     assert Store.tournament_in(tmp_path / "elsewhere") is None
     store.add(played)
-    assert not store.ended  # a plan may have another stage
+    store.set_planned(PLAN.size + 1)  # a plan may have another stage
+    assert not store.ended
     store.end()
     with Store.read(tmp_path) as again:
         assert again.ended
-    store.plan(PLAN.stage(0, ()))
+    store.set_planned(PLAN.size)
     assert store.ended
-    store.plan(round_robin(3, hunters(2), 3, seed=4).stage(0, ()))
+    store.set_planned(round_robin(3, hunters(2), 3, seed=4).size)
     assert not store.ended
 
 
@@ -172,7 +211,7 @@ def test_a_store_of_another_format_is_refused(tmp_path):
         db.execute("PRAGMA user_version = 99")
     db.close()
     with (
-        pytest.raises(StoreError, match="is of format 99, and this version reads format 5"),
+        pytest.raises(StoreError, match="is of format 99, and this version reads format 6"),
         Store.read(tmp_path),
     ):
         pass
@@ -181,7 +220,6 @@ def test_a_store_of_another_format_is_refused(tmp_path):
 def test_a_finished_one_is_read_where_nothing_can_be_written(tmp_path, played):
     """A folder in the place of the file that SQLite needs next to a log, as it cannot be made on a read-only disk."""
     with Store.begin(FACTS, tmp_path) as store:
-        store.plan(PLAN.stage(0, ()))
         store.add(played)
         store.end()
     assert [path.name for path in tmp_path.iterdir()] == [STORE]

@@ -98,8 +98,8 @@ def test_its_logs_show_what_was_printed_and_raised(played):
 def test_its_store_and_its_exports_hold_it_and_no_cell_is_a_formula(played):
     folder, _ = played
     with closing(sqlite3.connect(folder / "out" / STORE)) as db:
-        details = [json.loads(text) for (text,) in db.execute("SELECT details FROM result")]
-    assert SHOWN in {one[2] for match in details for one in match if one}
+        played = [json.loads(text) for (text,) in db.execute("SELECT played FROM match")]
+    assert SHOWN in {one[2] for match in played for one in match["result"]["forfeits"] if one}
     for form in ("jsonl", "csv"):
         assert run(folder, "export", "out", "-o", f"m.{form}", "--force").returncode == 0
     rows = [json.loads(line) for line in (folder / "m.jsonl").read_text(encoding="utf-8").splitlines()]

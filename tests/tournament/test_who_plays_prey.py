@@ -84,7 +84,7 @@ def test_another_shipped_prey_does_not_go_on_with_a_tournament_that_it_plays_in(
     plan = round_robin(5, hunters(5), 1, seed=4)
     about = Tournament(scenario("tag", time_limit_s=2), entrants, plan.parameters, "0")
     with Store.begin(about, tmp_path) as store:
-        store.plan(plan.stage(0, ()))
+        store.set_planned(plan.size)
     other = (dataclasses.replace(entrants[0], prey_digest="0" * 16), *entrants[1:])
     with (
         pytest.raises(OtherTournamentError, match="the prey digest of agent nearest is"),

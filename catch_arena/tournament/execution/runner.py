@@ -4,6 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import count
 from typing import Final
 
+from catch_arena.errors import StoreError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_logs import add_to_logs
 from catch_arena.tournament.execution.block_queue import play_blocks
@@ -27,13 +28,12 @@ def play_plan(
     *,
     max_forfeits: int = 0,
     on_results: Callable[[Sequence[PlayedMatch]], None] = lambda _: None,
-    on_planned: Callable[[int], None] = lambda _: None,
 ) -> None:
     """Play the matches of a plan that are not in the store yet, stage by stage, to the end of the plan.
 
-    A stage is written to the store before it is played. A block is written when it and all earlier blocks have ended;
-    agents' logs, and replays if the executor's worker makes them, are written to the store's folder.
-    After an interruption, the same call continues from there; no process is left.
+    A block is written when it and all earlier blocks have ended; agents' logs, and replays if the executor's worker
+    makes them, are written to the store's folder. So the store has the first blocks of the plan, and the same call
+    continues after them if it was interrupted; no process is left.
 
     Args:
         store: keeps the results.
@@ -41,43 +41,49 @@ def play_plan(
         executor: plays the matches.
         max_forfeits: number of forfeits in a row that exclude an entrant; 0 for no limit.
         on_results: called with the matches that were played before, and then with the matches of each block.
-        on_planned: called with the number of planned matches, after each block of the plan.
 
     Raises:
         MatchFailedError: for a block that failed on our side three times.
         AgentError: for an agent that another machine does not have.
         OutputError: for logs and replays that cannot be written.
-        StoreError: for results that cannot be written.
+        StoreError: for results that cannot be written, and for stored matches that are not those of the plan.
     """
     streaks = ForfeitStreaks(max_forfeits)
     before = list(store.played())
     streaks.add(before)
     on_results(before)
-    planned = 0
+    store.set_planned(plan.size)
+    passed = 0  # number of matches of the plan so far
 
-    def report_progress(blocks: Iterable[Block]) -> Iterator[Block]:
-        so_far = planned
+    def without_stored(blocks: Iterable[Block]) -> Iterator[Block]:
+        nonlocal passed
         for block in blocks:
-            so_far += len(block)
-            on_planned(so_far)
-            yield block
+            stored = before[passed : passed + len(block)]
+            passed += len(block)
+            if not stored:
+                yield block
+            elif tuple(one.match for one in stored) != block:
+                raise StoreError(
+                    f"{store.path}: is damaged: table match, row {block[0].id}: its block is not that of the plan"
+                )
 
     for number in count():
-        stage = store.plan(report_progress(plan.stage(number, store.played(planned))))
-        if not stage:
+        earlier = passed
+        blocks = without_stored(plan.stage(number, store.played(earlier)))
+        play_and_store(store, blocks, executor, streaks, on_results)
+        if passed == earlier:
             store.end()
             return
-        planned += stage
-        play_waiting(store, executor, streaks, on_results)
 
 
-def play_waiting(
+def play_and_store(
     store: Store,
+    blocks: Iterable[Block],
     executor: Executor,
     streaks: ForfeitStreaks,
     on_results: Callable[[Sequence[PlayedMatch]], None],
 ) -> None:
-    """Play the blocks that are planned and not played; the arguments and errors are those of `play_plan`."""
+    """Play blocks, and write them in this order; the other arguments and the errors are those of `play_plan`."""
     tournament, folder = store.tournament, store.path.parent
     parties = Parties.of(tournament.config)
 
@@ -90,4 +96,4 @@ def play_waiting(
         store.add(played)
         on_results(played)
 
-    play_blocks(store.waiting(), executor, streaks, store_block)
+    play_blocks(blocks, executor, streaks, store_block)

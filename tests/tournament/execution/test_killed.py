@@ -50,7 +50,7 @@ main(words)
 """
 KILLS = (
     ("Store transaction 1 after", 0),
-    ("Store plan 1 after", 0),
+    ("Store set_planned 1 after", 0),
     ("Store add 5 after", 10),
     ("Store _add_match 3 after", 12),
     ("Path replace 4 before", 14),
