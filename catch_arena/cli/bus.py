@@ -83,13 +83,6 @@ class Bus(Packages):
     """Options for the bus to join."""
 
     bus: BusOption = None
-    domain: Annotated[
-        int | None,
-        typer.Option(
-            help="DDS domain, from 0 to 232; not with rosbridge, whose server has its own.",
-            show_default="ROS_DOMAIN_ID, or 0",
-        ),
-    ] = None
     url: Url = None
 
     def opened(self, node: str) -> JoinedBus:
@@ -98,7 +91,7 @@ class Bus(Packages):
         Raises:
             BusError: if the bus cannot be reached.
         """
-        return open_bus(self.bus, node=node, domain=self.domain, url=self.url, log=lambda line: echo(line, err=True))
+        return open_bus(self.bus, node=node, url=self.url, log=lambda line: echo(line, err=True))
 
     @contextmanager
     def joined(self, node: str) -> Iterator[JoinedBus]:
@@ -109,7 +102,7 @@ class Bus(Packages):
         """
         bus = self.opened(node)
         try:
-            echo(describe_bus(bus, self.domain, bus.interfaces(self.types)), err=True)
+            echo(describe_bus(bus, bus.interfaces(self.types)), err=True)
             yield bus
         finally:
             bus.close()

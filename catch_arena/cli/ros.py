@@ -200,8 +200,6 @@ def spawner(
         list[str] | None,
         typer.Option(metavar="NAME", help="Turtle that hunts; may be repeated.", show_default="turtle1"),
     ] = None,
-    spawn_frequency: Annotated[float, typer.Option(help="Targets per second.")] = 0.5,
-    name_prefix: Annotated[str, typer.Option(metavar="TEXT", help="Prefix of the targets' names.")] = "target_turtle_",
     reach: Annotated[float, typer.Option(metavar="METRES", help="Catch distance [m].")] = 0.5,
     bus: Bus,
     ros_args: RosArgs = None,
@@ -216,8 +214,11 @@ def spawner(
     from catch_arena.ros.nodes.spawner import Spawner
 
     turtles = tuple(dict.fromkeys(checked_turtle("--turtle", name) for name in turtle or ("turtle1",)))
-    values = parameters_from(ros_args or (), {SPAWN_FREQUENCY: spawn_frequency, NAME_PREFIX: name_prefix})
-    config = SCENARIOS["capstone"].replace(
+    config = SCENARIOS["capstone"]
+    values = parameters_from(
+        ros_args or (), {SPAWN_FREQUENCY: config.spawn_frequency_hz, NAME_PREFIX: config.name_prefix}
+    )
+    config = config.replace(
         reach_m=reach,
         spawn_frequency_hz=values[SPAWN_FREQUENCY],
         name_prefix=checked_turtle(NAME_PREFIX, str(values[NAME_PREFIX])),

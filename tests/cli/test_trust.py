@@ -52,7 +52,7 @@ RUNS = {
     "grade": ["{}", "--spec", "spec.toml"],
     "play": ["{}", *SHORT],
     "watch": ["{}", "nearest", *SHORT],
-    "ros serve": ["--seat", "0={}", "--seat", "1=nearest", *SHORT, "--speed", "10", "--domain", "93"],
+    "ros serve": ["--seat", "0={}", "--seat", "1=nearest", *SHORT, "--speed", "10"],
 }
 """Each command that runs agents, and what it is given."""
 EXIT_CODES = {"compare": {0, 1, 3}}
@@ -74,6 +74,7 @@ def run(monkeypatch, tmp_path):
     monkeypatch.setattr("catch_arena.suite.contents.SUITE", SMALL_SUITE)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
+    monkeypatch.setenv("ROS_DOMAIN_ID", "93")
     monkeypatch.setenv(MARK, str(tmp_path / "mark"))
     (tmp_path / "mine.py").write_text(AGENT)
     (tmp_path / "spec.toml").write_text(SPEC)

@@ -4,6 +4,7 @@ Arguments: domain, seconds, and what it does wrong, or "right". "its_own_list" i
 """
 
 import math
+import os
 import random
 import sys
 import time
@@ -86,7 +87,8 @@ class Spawner(Referee):
 if __name__ == "__main__":
     domain, seconds, mistake = sys.argv[1:]
     own = mistake.startswith("its_own_list")
-    bus = open_bus("cyclonedds", domain=int(domain), log=lambda _: None)
+    os.environ["ROS_DOMAIN_ID"] = domain
+    bus = open_bus("cyclonedds", log=lambda _: None)
     referee = (Spawner if own else Referee)(bus, mistake.removeprefix("its_own_list").strip())
     sys.stdout.write("ready\n")
     sys.stdout.flush()

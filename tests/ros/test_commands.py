@@ -30,15 +30,14 @@ def run(*arguments):
             "--seat 0 must be given too, such as 0=ros: without --scenario and --set hunters=..., there is one hunter",
         ),
         (("serve", "-s", "duel", "--seat", "2=ros"), "--seat must be from 0 to 1 in duel, got 2"),
-        (("serve", "--domain", "233"), "the domain id must be a whole number from 0 to 232, got 233"),
         (("serve", "--interfaces", "my-robot"), "--interfaces must be the name of a ROS package"),
         (("controller", "--turtle", "bad name!"), "--turtle must be letters, digits and underscores, such as turtle1"),
-        (("spawner", "--spawn-frequency", "nan"), "spawn_frequency_hz must"),
+        (("spawner", "--ros-args", "-p", "spawn_frequency:=nan"), "spawn_frequency_hz must"),
         (
-            ("spawner", "--name-prefix", "2nd"),
+            ("spawner", "--ros-args", "-p", "turtle_name_prefix:=2nd"),
             "turtle_name_prefix must be letters, digits and underscores, such as turtle1, got '2nd'",
         ),
-        (("spawner", "--ros-args", "-p", "spawn_frequency:=2.0", "--", "--domain", "300"), "from 0 to 232, got 300"),
+        (("spawner", "--ros-args", "-p", "spawn_frequency:=2.0", "--", "--reach", "-1"), "reach_m must be"),
         (
             ("serve", "--ros-args", "-p", "catch_closest_turtle_first:=true"),
             "there is no parameter 'catch_closest_turtle_first': known: spawn_frequency, turtle_name_prefix",
@@ -47,10 +46,6 @@ def run(*arguments):
         (
             ("serve", "--bus", "rosbridge", "--url", "ws://127.0.0.1:1"),
             "no rosbridge server answers at ws://127.0.0.1:1",
-        ),
-        (
-            ("serve", "--bus", "rosbridge", "--domain", "7"),
-            "--domain 7 must be left out with --bus rosbridge: the server has a domain of its own",
         ),
         (
             ("serve", "--bus", "cyclonedds", "--url", "ws://x"),
@@ -74,6 +69,13 @@ def test_what_cannot_be_is_one_line(arguments, error, monkeypatch, tmp_path):
     assert "bus: " not in output  # it is not joined for that
 
 
+@pytest.mark.parametrize("domain", ["233", "-1", "x"])
+def test_a_domain_that_does_not_exist_is_one_line(monkeypatch, domain):
+    monkeypatch.setenv("ROS_DOMAIN_ID", domain)
+    status, output = run("controller")
+    assert (status, output) == (2, f"error: ROS_DOMAIN_ID must be a whole number from 0 to 232, got {domain}\n")
+
+
 def test_ctrl_c_is_the_documented_end_of_the_nodes_also_while_they_wait(monkeypatch):
     """The spawner waits for turtlesim, which never comes."""
 
@@ -82,10 +84,11 @@ def test_ctrl_c_is_the_documented_end_of_the_nodes_also_while_they_wait(monkeypa
 
     monkeypatch.setattr(Rate, "sleep", interrupted)
     with own_domain() as domain:
-        status, printed = run("spawner", "--bus", "cyclonedds", "--domain", str(domain))
+        monkeypatch.setenv("ROS_DOMAIN_ID", str(domain))
+        status, printed = run("spawner", "--bus", "cyclonedds")
         assert status == 0
         assert "waiting for turtlesim: /spawn and /kill\n" in printed
-        assert run("controller", "--bus", "cyclonedds", "--domain", str(domain))[0] == 0
+        assert run("controller", "--bus", "cyclonedds")[0] == 0
 
 
 @pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")

@@ -34,14 +34,16 @@ def domain():
     """A domain for this file, on this machine only."""
     with own_domain() as own, pytest.MonkeyPatch.context() as patch:
         patch.setenv("ROS_LOCALHOST_ONLY", "1")
+        patch.setenv("ROS_DOMAIN_ID", str(own))
         yield own
 
 
 @pytest.fixture
 def ours(domain):
     """Our bus in this process, and its lines."""
+    del domain  # it is in ROS_DOMAIN_ID
     log_lines = []
-    made = open_bus("cyclonedds", domain=domain, log=log_lines.append)
+    made = open_bus("cyclonedds", log=log_lines.append)
     yield made, log_lines
     made.close()
 
@@ -210,7 +212,7 @@ def test_the_first_that_works_is_taken_and_described(monkeypatch, domain, tmp_pa
         (tmp_path / "rclpy" / "node.py").write_text("raise ImportError('librcl.so')")
         monkeypatch.syspath_prepend(tmp_path)
     log_lines = []
-    found = open_bus(domain=domain, log=log_lines.append)
+    found = open_bus(log=log_lines.append)
     warning = (
         "warning: ROS is sourced, but rclpy cannot be imported (librcl.so), so cyclonedds is used: make the virtual "
         "environment with ROS's own Python: python3 -m venv --system-site-packages"
@@ -220,7 +222,7 @@ def test_the_first_that_works_is_taken_and_described(monkeypatch, domain, tmp_pa
     sys.modules.pop("rclpy", None)
     python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     line = f"bus: cyclonedds, domain {domain}, {python}, interfaces of my_robot_interfaces"
-    assert describe_bus(found, domain, found.interfaces(TYPES)) == line
+    assert describe_bus(found, found.interfaces(TYPES)) == line
     found.close()
 
 
@@ -239,8 +241,9 @@ NOBODYS = 200
 def test_a_configuration_that_cannot_be_is_one_line(monkeypatch, uri, why):
     """The lines of cyclonedds say more."""
     monkeypatch.setenv("CYCLONEDDS_URI", uri)
+    monkeypatch.setenv("ROS_DOMAIN_ID", str(NOBODYS))
     with pytest.raises(BusError, match=why) as error:
-        open_bus("cyclonedds", domain=NOBODYS)
+        open_bus("cyclonedds")
     assert "\n" not in str(error.value)
 
 

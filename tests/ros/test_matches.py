@@ -22,7 +22,9 @@ def test_a_students_controller_plays_a_whole_match_and_catches(tmp_path):
     replay = tmp_path / "match.replay"
     with (
         own_domain() as domain,
-        started(None, "ros", "serve", "--domain", domain, "--seat", "0=ros:ann", "--record", replay, *ARENA) as arena,
+        started(
+            *(None, "ros", "serve", "--seat", "0=ros:ann", "--record", replay, *ARENA), ROS_DOMAIN_ID=str(domain)
+        ) as arena,
         started("student.py", domain, "turtle1", "/catch_turtle", 150) as student,
     ):
         out, err, status = finished(arena)
@@ -62,8 +64,10 @@ def test_our_controller_and_our_spawner_do_the_exercise_in_a_turtlesim():
     with (
         own_domain() as domain,
         started("turtlesim.py", domain, 150) as turtlesim,
-        started(None, "ros", "spawner", "--domain", domain, "--spawn-frequency", 2) as spawner,
-        started(None, "ros", "controller", "first", "--domain", domain) as controller,
+        started(
+            *(None, "ros", "spawner", "--ros-args", "-p", "spawn_frequency:=2"), ROS_DOMAIN_ID=str(domain)
+        ) as spawner,
+        started(None, "ros", "controller", "first", ROS_DOMAIN_ID=str(domain)) as controller,
     ):
         judged = list(islice((line for line in spawner.stdout if "GRANTED" in line), 3))
         assert len(list(islice((line for line in controller.stdout if "caught target_turtle_" in line), 2))) == 2

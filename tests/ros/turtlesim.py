@@ -4,6 +4,7 @@ Arguments: domain, seconds. Only turtle1 moves.
 """
 
 import math
+import os
 import sys
 import time
 
@@ -55,7 +56,8 @@ class Turtlesim:
 
 if __name__ == "__main__":
     domain, seconds = sys.argv[1:]
-    simulator = Turtlesim(open_bus("cyclonedds", domain=int(domain), log=lambda _: None))
+    os.environ["ROS_DOMAIN_ID"] = domain
+    simulator = Turtlesim(open_bus("cyclonedds", log=lambda _: None))
     end = time.monotonic() + float(seconds)
     while time.monotonic() < end:
         simulator.tick()

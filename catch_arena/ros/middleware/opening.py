@@ -26,50 +26,44 @@ def open_bus(
     backend: Backend | None = None,
     *,
     node: str = "catch_arena",
-    domain: int | None = None,
     url: str | None = None,
     log: Log = print,
 ) -> Bus:
-    """Join a ROS 2 bus.
+    """Join a ROS 2 bus, over DDS in the domain ROS_DOMAIN_ID, or 0.
 
     Args:
         backend: None takes the first of BACKENDS that works here.
         node: the node's name, over rclpy.
-        domain: DDS domain, from 0 to 232; None is ROS_DOMAIN_ID, or 0. A rosbridge server has its own.
         url: address of rosbridge's server; None is BRIDGE_URL.
         log: takes one line for each event that a user should see.
 
     Raises:
-        ConfigError: for a domain that does not exist, or a domain or a url that this back-end does not use.
+        ConfigError: for a domain that does not exist, or a url that this back-end does not use.
         BusError: if a needed package is not installed, or if the bus cannot be reached.
     """
-    number = _checked_domain(domain)
+    domain = _domain()
     if backend is None:
         backend = _first_that_works(log)
     elif _import_fault(backend):
         raise BusError(_missing(backend))
-    if backend == "rosbridge" and domain is not None:
-        raise ConfigError(
-            f"--domain {domain} must be left out with --bus rosbridge: the server has a domain of its own"
-        )
     if backend != "rosbridge" and url is not None:
         raise ConfigError(f"--url {url} must come with --bus rosbridge, got --bus {backend}")
     if backend == "cyclonedds":
         from catch_arena.ros.middleware.dds_bus import DdsBus
 
-        return DdsBus(number, log=log)
+        return DdsBus(domain, log=log)
     if backend == "rosbridge":
         from catch_arena.ros.middleware.rosbridge_bus import RosbridgeBus
 
         return RosbridgeBus(BRIDGE_URL if url is None else url, log=log)
     from catch_arena.ros.middleware.rclpy_bus import RclpyBus
 
-    return RclpyBus(node, number)
+    return RclpyBus(node, domain)
 
 
-def describe_bus(bus: Bus, domain: int | None, interfaces: Interfaces) -> str:
+def describe_bus(bus: Bus, interfaces: Interfaces) -> str:
     """Return one line on how nodes reach this bus, and with which types."""
-    where = "" if bus.backend == "rosbridge" else f", domain {_checked_domain(domain)}"
+    where = "" if bus.backend == "rosbridge" else f", domain {_domain()}"
     middleware = f", {bus.middleware}" if bus.middleware else ""
     python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     return f"bus: {bus.backend}{where}{middleware}, {python}, interfaces of {interfaces.package}"
@@ -90,11 +84,11 @@ def require_package(option: str, name: str) -> None:
         raise ConfigError(f"{option} must be the name of a ROS package, such as {INTERFACES}, got {name!r}")
 
 
-def _checked_domain(domain: int | None) -> int:
-    word = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0" if domain is None else str(domain)
+def _domain() -> int:
+    """Return the DDS domain; a rosbridge server has its own."""
+    word = os.environ.get("ROS_DOMAIN_ID", "").strip() or "0"
     if not (word.isascii() and word.isdecimal()) or int(word) > _HIGHEST_DOMAIN:
-        name = "ROS_DOMAIN_ID" if domain is None else "the domain id"
-        raise ConfigError(f"{name} must be a whole number from 0 to {_HIGHEST_DOMAIN}, got {word}")
+        raise ConfigError(f"ROS_DOMAIN_ID must be a whole number from 0 to {_HIGHEST_DOMAIN}, got {word}")
     return int(word)
 
 

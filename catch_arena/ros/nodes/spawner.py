@@ -141,7 +141,8 @@ class Spawner:
         if self._refused == 1:
             self._log(
                 f"warning: {request.name} is not spawned, because turtlesim has a turtle of that name: higher numbers "
-                "are tried. --name-prefix gives other names, and turtlesim's /reset removes all targets"
+                "are tried. --ros-args -p turtle_name_prefix:=NAME gives other names, and turtlesim's /reset removes "
+                "all targets"
             )
         if self._refused % _MOST_NAMES:
             self._call_spawn(request.x, request.y, request.theta)
