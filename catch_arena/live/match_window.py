@@ -103,7 +103,7 @@ class MatchWindow:
         time_ms = motion.after.time_ms
         self._draw(motion, time_ms, self._pointer(motion, time_ms) + self._line("waiting for an agent"))
         self._events()
-        self._clock.tick(_FPS)
+        self._clock.tick()  # the match does not advance in this time
 
     def notify(self, text: str) -> None:
         """Show a line of text for some seconds."""

@@ -1,70 +1,22 @@
 """Session of one match in the window, which its user may restart any number of times."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor, wait
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from io import BytesIO
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 from catch_arena.config import ArenaConfig
 from catch_arena.live.match_window import MatchWindow, RestartRequested
 from catch_arena.live.user_input import HumanPolicy
-from catch_arena.policy import AnyLimits
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.playing import in_seats, sandbox_for, start_players
 from catch_arena.tournament.isolation.quotas import Quotas
-from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import Fault, Move, Observation, Players
-
-_FIRST_WAIT_S: Final = 0.05
-"""Time within which most agents have answered, so that the window need not be drawn [s]."""
-
-
-class ThreadedPlayers(Players):
-    """Isolated players whose thinking does not hold up this thread.
-
-    Args:
-        players: the players in the sandbox.
-        sandbox: sandbox of the players; it is killed if `wait` raises.
-        wait: called repeatedly while they think; an exception that it raises ends the match.
-    """
-
-    def __init__(self, players: Players, sandbox: Sandbox, wait: Callable[[], None]) -> None:
-        self.controls = players.controls
-        self._players = players
-        self._sandbox = sandbox
-        self._wait = wait
-
-    def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
-        """Begin a match."""
-        return self._players.reset(seeds, limits)
-
-    def act(self, observations: Mapping[int, Observation]) -> dict[int, Move]:
-        """Return the answers of seats to their observations; call `wait` while they think."""
-        with ThreadPoolExecutor(1) as thread:
-            moves = thread.submit(self._players.act, observations)
-            try:
-                wait([moves], _FIRST_WAIT_S)
-                while not moves.done():
-                    self._wait()
-            except BaseException:
-                self._sandbox.kill()  # the thread stops waiting when the agents' processes end
-                raise
-        return moves.result()
-
-    def drop(self, seat: int) -> None:
-        """Drop a seat that has forfeited."""
-        self._players.drop(seat)
-
-    def logs(self) -> dict[int, str]:
-        """Return the texts that agents have printed, by seat."""
-        return self._players.logs()
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,12 +69,16 @@ def show_match(
         MatchFailedError: if isolated agents could not be held.
     """
     person = HumanPolicy()
+    seated = {seat: entrant or person for seat, entrant in enumerate(lineup.entrants)}
     info = MatchInfo.of(config, lineup.names, title)
     window = MatchWindow(info, seed, size, person, lineup.person, save)
     try:
         with sandbox_for(quotas) as sandbox:
             while True:
-                with suppress(RestartRequested), _players(lineup, person, sandbox, window) as players:
+                with (
+                    suppress(RestartRequested),
+                    start_players(seated, sandbox, while_waiting=window.wait) as players,
+                ):
                     result = play_match(
                         config,
                         seed,
@@ -140,14 +96,6 @@ def show_match(
                     return ShownMatch(result, window.replay, names)
     finally:
         window.close()
-
-
-@contextmanager
-def _players(lineup: Lineup, person: HumanPolicy, sandbox: Sandbox | None, window: MatchWindow) -> Iterator[Players]:
-    """Start fresh players for one match, and stop them after it."""
-    seated = {seat: entrant or person for seat, entrant in enumerate(lineup.entrants)}
-    with start_players(seated, sandbox) as players:
-        yield players if sandbox is None else ThreadedPlayers(players, sandbox, window.wait)
 
 
 def free_parties(config: ArenaConfig, person: int | None) -> list[int]:

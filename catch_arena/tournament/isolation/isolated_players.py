@@ -4,7 +4,7 @@ import json
 import math
 import select
 import time
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
 from types import MappingProxyType
@@ -23,6 +23,10 @@ _POLL_S: Final = 0.1
 """Longest single wait [s], so that this process notices if it stood still itself."""
 _STALL_S: Final = 1.0
 """Stall of this process [s] from which on no agent is blamed for being late."""
+_FIRST_WAIT_S: Final = 0.05
+"""Time within which most agents have answered, so that `while_waiting` need not be called [s]."""
+_WAIT_S: Final = 1.0 / 60.0
+"""Time between two calls of `while_waiting` [s]."""
 
 
 class _Reply(NamedTuple):
@@ -43,6 +47,8 @@ class IsolatedPlayers(Players):
         entrants: the entrants in their own processes, by seat.
         here: the players in this process, by seat, as in `Players`.
         absent: the faults of seats without a player, as in `Players`.
+        while_waiting: called repeatedly while actions are due, to draw a window; no agent pays for the time that it
+            takes. If it raises, the agents that have not answered are dropped.
     """
 
     def __init__(
@@ -51,11 +57,13 @@ class IsolatedPlayers(Players):
         entrants: Mapping[int, Entrant],
         here: Mapping[int, Policy | PreyPolicy | Entrant] = MappingProxyType({}),
         absent: Mapping[int, Fault] = MappingProxyType({}),
+        while_waiting: Callable[[], None] | None = None,
     ) -> None:
         super().__init__(here, absent)
         self.controls |= {seat: entrant.control for seat, entrant in entrants.items()}
         self._sandbox = sandbox
         self._entrants = entrants
+        self._while_waiting = while_waiting
         self._quotas = sandbox.quotas
         self._bank_s = dict.fromkeys(entrants, sandbox.quotas.bank_s)
         self._limit_names = {
@@ -96,7 +104,8 @@ class IsolatedPlayers(Players):
             if seat in self._processes
         }
         moves = super().act({seat: one for seat, one in observations.items() if seat not in self._processes})
-        for seat, reply in self._exchange(lines, {seat: step_s + bank_s[seat] for seat in lines}, "act").items():
+        allowed_s = {seat: step_s + bank_s[seat] for seat in lines}
+        for seat, reply in self._exchange(lines, allowed_s, "act", self._while_waiting).items():
             bank_s[seat] -= max(0.0, reply.seconds - step_s)
             fault = reply.fault
             if fault is None and "action" not in reply.fields:
@@ -140,7 +149,13 @@ class IsolatedPlayers(Players):
         lines = {seat: protocol.hello_line(self._entrants[seat].side) for seat in seats}
         return self._exchange(lines, dict.fromkeys(seats, self._quotas.init_s), "init")
 
-    def _exchange(self, lines: Mapping[int, bytes], allowed_s: Mapping[int, float], doing: str) -> dict[int, _Reply]:
+    def _exchange(
+        self,
+        lines: Mapping[int, bytes],
+        allowed_s: Mapping[int, float],
+        doing: str,
+        while_waiting: Callable[[], None] | None = None,
+    ) -> dict[int, _Reply]:
         """Send each seat its line, and return the answer of each: a JSON object or a fault.
 
         Raises:
@@ -153,6 +168,8 @@ class IsolatedPlayers(Players):
         poll = select.poll()
         late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._limit_names[doing]}", late=True)
         now = time.monotonic()
+        call_at = math.inf if while_waiting is None else now + _FIRST_WAIT_S
+        waited_s = 0.0  # time in `while_waiting`, which `now` does not count
         for seat, line in lines.items():
             process = self._processes[seat]
             sent_at[seat] = sent = time.monotonic()
@@ -166,9 +183,9 @@ class IsolatedPlayers(Players):
                 seat_of[file] = seat
                 poll.register(file, select.POLLIN)
         while due:
-            wait_s = min(max(0.0, min(due.values()) - now), _POLL_S)
+            wait_s = min(max(0.0, min(*due.values(), call_at) - now), _POLL_S)
             events = poll.poll(math.ceil(1000.0 * wait_s))
-            before, now = now, time.monotonic()
+            before, now = now, time.monotonic() - waited_s
             if now - before > wait_s + _STALL_S:
                 raise MatchFailedError(f"this process stood still for {now - before - wait_s:.1f} s")
             for file, _ in events:
@@ -186,6 +203,15 @@ class IsolatedPlayers(Players):
                 del due[seat]
                 poll.unregister(self._processes[seat].answer_pipe)  # later answers are too late
                 replies[seat] = _Reply({}, now - sent_at[seat], late)
+            if while_waiting is not None and due and now >= call_at:
+                try:
+                    while_waiting()
+                except BaseException:
+                    for seat in due:
+                        self.drop(seat)
+                    raise
+                waited_s = time.monotonic() - now
+                call_at = now + _WAIT_S
         for seat, reply in replies.items():
             if reply.fault is ENDED:
                 self._end_of_process(seat)

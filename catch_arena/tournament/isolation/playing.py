@@ -58,6 +58,7 @@ def start_players(
     seated: Sequence[Entrant] | Mapping[int, Entrant] | Mapping[int, Entrant | Policy],
     sandbox: Sandbox | None,
     absent: Mapping[int, Fault] = MappingProxyType({}),
+    while_waiting: Callable[[], None] | None = None,
 ) -> AbstractContextManager[Players]:
     """Return a context manager with the players of one match, by seat; its exit ends their processes.
 
@@ -67,6 +68,7 @@ def start_players(
         seated: entrants, or instances that play in this process, by seat.
         sandbox: runs agents that are not trusted; None if all are trusted.
         absent: the fault of each seat for which no player is started, by seat.
+        while_waiting: called repeatedly while isolated agents think, as in `IsolatedPlayers`.
 
     Raises:
         MatchFailedError: for a match that failed on our side.
@@ -79,7 +81,7 @@ def start_players(
     if sandbox is None or not isolated:
         return nullcontext(Players(seated, absent))
     here = {seat: one for seat, one in seated.items() if seat not in isolated}
-    return isolated_players(sandbox, isolated, here, absent)
+    return isolated_players(sandbox, isolated, here, absent, while_waiting)
 
 
 def sandbox_for(quotas: Quotas | None) -> AbstractContextManager[Sandbox | None]:

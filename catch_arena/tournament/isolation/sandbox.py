@@ -102,7 +102,6 @@ class AgentProcess:
         self._unread = b""
         self._log_open = True
         self._in_match = False
-        self._killed = False
         self.log = Log(self._log_size)
         pipes: list[tuple[int, int]] = []
         try:
@@ -200,21 +199,14 @@ class AgentProcess:
         self.read_log()
         return line is not None and line.startswith(b'{"ended":')
 
-    def kill(self) -> None:
-        """Kill the process, and all processes in its namespaces or in its group."""
-        if self._killed:  # another process may have its id by now
-            return
-        self._killed = True
+    def close(self) -> None:
+        """Kill the process and all processes in its namespaces or in its group, and remove its folder."""
         if not self._namespaced and self._process.poll() is None:
             self._process.terminate()  # it ends all that it started, also in other groups
             with suppress(subprocess.TimeoutExpired):
                 self._process.wait(_END_S)
         with suppress(ProcessLookupError, PermissionError):  # macOS raises the latter for dead processes
             os.killpg(self.pid, signal.SIGKILL)
-
-    def close(self) -> None:
-        """Kill the process, wait for its end, and remove its folder."""
-        self.kill()
         self._process.wait()
         deadline = time.monotonic() + _END_S  # the log ends with the last process in the namespaces
         while self.read_log() and (left := deadline - time.monotonic()) > 0:
@@ -276,11 +268,6 @@ class Sandbox:
             if number >= _MOST_WAITING or not process.finish():
                 process.close()
                 del self._processes[key]
-
-    def kill(self) -> None:
-        """Kill all agents; any thread may call it. A thread that waits for an answer gets the end of the pipe."""
-        for process in list(self._processes.values()):
-            process.kill()
 
     def close(self) -> None:
         """End all agents, and remove the files that they wrote."""

@@ -20,7 +20,7 @@ from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import shipped
-from catch_arena.tournament.match_loop import play_match
+from catch_arena.tournament.match_loop import MatchStopped, play_match
 
 SHORT = scenario("duel", time_limit_s=10)
 
@@ -176,6 +176,37 @@ def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, tmp_pa
     finally:
         signal.setitimer(signal.ITIMER_REAL, 0)
         signal.signal(signal.SIGALRM, former)
+
+
+def test_no_agent_pays_for_what_is_done_while_waiting_for_it(sandbox, tmp_path, monkeypatch):
+    """It takes longer than the agent's limit, and longer than a stall of ours."""
+    monkeypatch.setattr("catch_arena.tournament.isolation.isolated_players._STALL_S", 1.0)
+    slow = write_agent(tmp_path / "slow.py", "time.sleep(0.3)\nreturn 0", before="import time\n")
+    with Sandbox(Quotas(isolation=sandbox.quotas.isolation, step_ms=1500, bank_s=0)) as patient:
+        entrants = enter([slow, "idle"], inspector(patient))
+        with start_players(entrants, patient, while_waiting=lambda: time.sleep(2)) as players:
+            result = play_match(SHORT, 1, players, ["a", "b"], most_steps=1)
+    assert result.forfeit_codes == (None, None)
+    assert result.thinking[0].longest_s < 1.5
+
+
+def test_a_match_may_be_stopped_while_an_agent_hangs(sandbox, tmp_path):
+    """What it printed is kept."""
+    hangs = write_agent(tmp_path / "hangs.py", "print('step', self.step)\ntime.sleep(600)", before="import time\n")
+    calls = []
+
+    def stop():
+        calls.append(time.monotonic())
+        if len(calls) == 3:
+            raise MatchStopped
+
+    with Sandbox(Quotas(isolation=sandbox.quotas.isolation, step_ms=600_000)) as patient:
+        entrants = enter([hangs, alone("idle")], inspector(patient))
+        with start_players(entrants, patient, while_waiting=stop) as players:
+            result = play_match(SHORT, 1, players, ["a", "b"])
+    assert result.forfeit_codes == (None, None)
+    assert result.logs == ("step 1\n", "")
+    assert len(calls) == 3
 
 
 def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
