@@ -10,7 +10,6 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig
 from catch_arena.core.arbiter import measure_um
 from catch_arena.core.math import sincos
-from catch_arena.core.ranking import key_of
 from catch_arena.core.state import SeatLimits
 from catch_arena.core.visibility import is_seen
 from catch_arena.engine.core_settings import limits_by_seat, settings_of
@@ -32,7 +31,7 @@ class Unseen:
 
 
 class SeenTargets:
-    """Visibility of targets and rivals in the arenas of a config."""
+    """Visibility of targets in the arenas of a config."""
 
     def __init__(self, config: ArenaConfig) -> None:
         self._config = config
@@ -51,48 +50,6 @@ class SeenTargets:
         return cast(
             "NDArray[np.bool_]", rule(x - me.x, y - me.y, sine, cosine, self._reach_limits_m2[seat], self._settings)
         )
-
-    def ranked(self, world: World, seat: int) -> list[str]:
-        """R7.1: return the names of the targets in a seat's view by rank: nearest first, ties by spawn number."""
-        me = world.hunters[seat]
-        ranked = sorted(
-            (key_of(target.x - me.x, target.y - me.y, slot), target.name)
-            for slot, (target, seen) in enumerate(zip(world.targets, self.of(world, seat), strict=True))
-            if seen
-        )
-        return [name for _, name in ranked[: self._config.targets_seen]]
-
-    def ranked_rivals(self, world: World, seat: int) -> list[int]:
-        """R7.1: return the seats of the rivals in a seat's view by rank: nearest first, ties in the order of
-        `core/ranking.py: sort_ties`.
-        """
-        me = world.hunters[seat]
-        sine, cosine = sincos(me.theta)
-
-        def order(rival_seat: int) -> tuple[float, ...]:
-            rival = world.hunters[rival_seat]
-            dx, dy = rival.x - me.x, rival.y - me.y
-            its_sine, its_cosine = sincos(rival.theta)
-            return (
-                key_of(dx, dy, 0),
-                sine * dx - cosine * dy,
-                -cosine * dx - sine * dy,
-                -its_cosine * cosine - its_sine * sine,
-                its_cosine * sine - its_sine * cosine,
-                -rival.linear_velocity,
-                -rival.score,
-                rival.team != me.team,
-                rival_seat,
-            )
-
-        seen = (
-            rival_seat
-            for rival_seat, rival in enumerate(world.hunters)
-            if rival_seat != seat
-            and not rival.withdrawn
-            and is_seen(rival.x - me.x, rival.y - me.y, sine, cosine, self._reach_limits_m2[seat], self._settings)
-        )
-        return sorted(seen, key=order)[: self._config.hunters_seen]
 
     def unseen(self, world: World, seat: int) -> list[Unseen]:
         """Return the targets out of a seat's sight, the nearest first."""

@@ -13,7 +13,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.plain import plain_setting, whole_number
 from catch_arena.render import cards, hud, scene, timeline
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
-from catch_arena.render.blurred_view import Belief, BlurredView
+from catch_arena.render.blurred_view import Belief, beliefs_of
 from catch_arena.render.captions import Captions, Commentary, caption_shapes
 from catch_arena.render.event_feed import FeedItem, feed_shapes, with_items
 from catch_arena.render.match_info import MatchInfo
@@ -68,7 +68,6 @@ class MatchRenderer:
         self.view_of: int | None = None
         """Seat whose view is shown (R7.5, R7.6) if hunters do not see everything as it is; None for no view."""
         self._seed = seed
-        self._blurred = BlurredView(info.config) if info.config.view_noise_m else None
         self._observations: dict[int, NDArray[np.float32]] = {}
         self._plan = hud.arrange(size, layout, len(info.names), len(info.contenders) if info.has_teams else 0)
         if sprites is None:  # renderers of the same match or size share theirs
@@ -120,7 +119,7 @@ class MatchRenderer:
 
         Only the latest states are kept: call this before the step that begins there is drawn, at most two steps ahead.
         """
-        if self._blurred is not None:
+        if self.info.config.view_noise_m:
             recent = range(step - _OBSERVED_AHEAD, step)
             self._observations = {old: seen for old, seen in self._observations.items() if old in recent}
             self._observations[step] = observations.copy()
@@ -174,7 +173,7 @@ class MatchRenderer:
                 annotations=self._annotations,
                 time_ms=time_ms,
                 view_of=self.view_of,
-                beliefs=self._beliefs(self._motion.before),
+                beliefs=self._beliefs(self._motion.before.step),
                 withdrawn_prey={score.agent for score in self._standings if score.hunted and score.withdrawn},
             )
         )
@@ -217,12 +216,11 @@ class MatchRenderer:
             self._standings = standings
             self._standings_animation.record(time_ms, standings)
 
-    def _beliefs(self, world: World) -> list[Belief]:
-        """R7.6: return the beliefs of the hunter whose view is shown; empty without noise, view or observations."""
-        observations = self._observations.get(world.step)
-        if self.view_of is None or self._blurred is None or observations is None:
+    def _beliefs(self, step: int) -> list[Belief]:
+        """R7.6: return the beliefs of the hunter whose view is shown; empty without view or observations."""
+        if self.view_of is None or step not in self._observations:
             return []
-        return self._blurred.beliefs(world, self.view_of, observations[self.view_of])
+        return beliefs_of(self.info.config, self.view_of, self._observations[step][self.view_of])
 
     def _extend_trails(self, until_ms: float) -> None:
         """Lead the trails through the ticks since the last instant if it is more than two ticks ago."""

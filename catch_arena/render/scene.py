@@ -73,8 +73,7 @@ def arena_shapes(
     if view_of is not None and not hunters[view_of].withdrawn:
         if info.config.partial_view:
             shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
-        for belief in beliefs:
-            shapes += _belief(viewport, poses, belief, info.color(view_of))
+        shapes += [_belief(viewport, belief, info.color(view_of)) for belief in beliefs]
     places = dict(enumerate(poses.hunters))
     for target in targets:
         pose = poses.targets[target.number]
@@ -105,25 +104,11 @@ def _view(viewport: Viewport, info: MatchInfo, pose: Pose2D, color: Color) -> Se
     )
 
 
-def _belief(viewport: Viewport, poses: Poses, belief: Belief, color: Color) -> list[Shape]:
-    """R7.6: return a ring at the believed place of a hunter or target, and a line from it to the true place.
-
-    There are no shapes for a target that was just caught.
-    """
-    pose = poses.hunters[belief.rival] if belief.rival is not None else poses.targets.get(belief.target or 0)
-    if pose is None:
-        return []
-    length = viewport.target_length if belief.rival is None else viewport.hunter_length
-    radius, width, pale = 0.32 * length, max(1.0, 0.045 * length), mix(color, WHITE, 0.5)
-    x, y = viewport.to_pixels(belief.x, belief.y)
-    true_x, true_y = viewport.to_pixels(*pose[:2])
-    shapes: list[Shape] = [Ring(x, y, radius, width, pale, _BELIEF_OPACITY, veil=0.15)]
-    away = math.hypot(true_x - x, true_y - y)
-    if away > radius:  # from the ring's edge on
-        part = radius / away
-        edge = (x + part * (true_x - x), y + part * (true_y - y))
-        shapes.insert(0, Stroke(*edge, true_x, true_y, width, mix(pale, GROUND, 1.0 - _BELIEF_OPACITY)))
-    return shapes
+def _belief(viewport: Viewport, belief: Belief, color: Color) -> Ring:
+    """R7.6: return a ring at the believed place of a hunter or target."""
+    length = viewport.target_length if belief.is_target else viewport.hunter_length
+    place = viewport.to_pixels(belief.x, belief.y)
+    return Ring(*place, 0.32 * length, max(1.0, 0.045 * length), mix(color, WHITE, 0.5), _BELIEF_OPACITY, veil=0.15)
 
 
 def _target(viewport: Viewport, target: TargetState, pose: Pose2D, time_ms: float, *, faded: bool) -> list[Shape]:
