@@ -1,6 +1,7 @@
 """Queue of blocks that are played in parallel and kept in the order of the plan, with the results of serial play.
 
-Only this module plays a match again: if it failed on our side, or if one of its entrants was excluded after its start.
+Only this module plays a match of a tournament again: if it failed on our side, or if one of its entrants was excluded
+after its start.
 """
 
 import time
