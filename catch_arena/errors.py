@@ -5,7 +5,6 @@ Each message names the field, the requirement and the value.
 
 from collections.abc import Iterable, Sequence
 from difflib import get_close_matches
-from pathlib import Path
 
 
 class CatchArenaError(Exception):
@@ -44,16 +43,7 @@ class StoreError(CatchArenaError):
 
 
 class OtherTournamentError(StoreError):
-    """A tournament's store that holds another tournament.
-
-    Args:
-        message: the folder, and what differs.
-        folder: the folder that holds the other tournament.
-    """
-
-    def __init__(self, message: str, folder: Path) -> None:
-        super().__init__(message)
-        self.folder = folder
+    """A tournament's store that holds another tournament."""
 
 
 class OutputError(CatchArenaError):

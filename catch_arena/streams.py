@@ -18,21 +18,17 @@ class _LastingFile(FileIO):
             return len(data)
 
 
-def lasting(stream: Any, descriptor: int, *, closefd: bool = True) -> TextIOWrapper:
-    """Return a text stream like this one, to a descriptor whose reader may close the pipe."""
-    raw = _LastingFile(descriptor, "w", closefd=closefd)
-    return TextIOWrapper(
-        raw if stream.write_through else BufferedWriter(raw),  # as Python makes its own with -u
-        stream.encoding,
-        stream.errors,
-        line_buffering=stream.line_buffering,
-        write_through=stream.write_through,
-    )
-
-
 def outlive_readers() -> None:
     """Replace stdout and stderr of this process, so that printing to a closed pipe raises nothing, even in an agent."""
     for name in ("stdout", "stderr"):
         with suppress(AttributeError, OSError, ValueError):  # no stream, or one in memory
             stream = getattr(sys, name)
-            setattr(sys, name, lasting(stream, stream.fileno(), closefd=False))
+            raw = _LastingFile(stream.fileno(), "w", closefd=False)
+            lasting = TextIOWrapper(
+                raw if stream.write_through else BufferedWriter(raw),  # as Python makes its own with -u
+                stream.encoding,
+                stream.errors,
+                line_buffering=stream.line_buffering,
+                write_through=stream.write_through,
+            )
+            setattr(sys, name, lasting)

@@ -104,7 +104,8 @@ def play(agent: Entrant, most: int) -> AgentMeasures:
         most: number of blocks of each scenario, unless the agent is a reference.
     """
     blocks = SUITE.blocks if agent.name in REFERENCES else most
-    evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder_of(OUT, agent), blocks, None)
+    folder = folder_of(OUT, agent)
+    evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder, blocks, None)
     done = 0
     with progress_bar(agent.name, evaluation.matches) as show:
 
@@ -118,8 +119,8 @@ def play(agent: Entrant, most: int) -> AgentMeasures:
                 evaluation.play(usable_cores(), on_results)
                 break
             except OtherTournamentError as error:
-                print(f"{agent.name}: {error.folder.name} is played again: {error}", file=sys.stderr)
-                shutil.rmtree(error.folder)
+                print(f"{agent.name} is played again: {error}", file=sys.stderr)
+                shutil.rmtree(folder)
                 done = 0
     return measure(evaluation)
 

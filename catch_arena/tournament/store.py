@@ -268,7 +268,7 @@ class Store:
                     "matches played: go on with --resume, or give another folder"
                 )
             elif found := difference(self.tournament, tournament):
-                raise OtherTournamentError(f"{self.path}: is of another tournament: {found}", self.path.parent)
+                raise OtherTournamentError(f"{self.path}: is of another tournament: {found}")
             text = _json(versions())
             db.execute("INSERT OR IGNORE INTO versions (value) VALUES (?)", (text,))
             (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
