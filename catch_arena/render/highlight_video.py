@@ -20,7 +20,6 @@ from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Box, Label, Shape
-from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.text import text_width
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
@@ -82,7 +81,7 @@ def _pictures(
     highlights: Sequence[tuple[str, Highlight]], size: tuple[int, int], fps: int, captions: Captions
 ) -> Iterator[Pixels]:
     width, height = size
-    frame = Canvas.blank(width, height, hud.PANEL, SpriteCache())
+    frame = Canvas.blank(width, height, hud.PANEL)
     below = 0 if captions == "none" else round(_CAPTION * height)
     caption = hud.Rect(0, height - below, width, below)
     for number, (path, highlight) in enumerate(highlights, start=1):

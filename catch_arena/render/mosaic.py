@@ -15,7 +15,6 @@ from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Label
-from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
@@ -131,13 +130,12 @@ def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
 def _pictures(
     replays: Mapping[str, Replay], views: Sequence[int | None], grid: Grid, size: tuple[int, int], whole: Clip
 ) -> Iterator[Pixels]:
-    sprites = SpriteCache()
-    frame = Canvas.blank(*size, hud.PANEL, sprites)
+    frame = Canvas.blank(*size, hud.PANEL)
     cells = []
     for area, (name, replay), view_of in zip(grid.cells(len(replays)), replays.items(), views, strict=True):
         label = round(_LABEL * area.width)
         picture = area._replace(height=area.height - label)
-        renderer = MatchRenderer(MatchInfo.of_replay(replay), picture[2:], "arena", sprites=sprites)
+        renderer = MatchRenderer(MatchInfo.of_replay(replay), picture[2:], "arena")
         renderer.view_of = view_of
         clip = Clip(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
         below = area._replace(top=area.top + area.height - label, height=label)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from catch_arena.render import scene, shapes
 from catch_arena.render.hud import Rect
 from catch_arena.render.optional_imports import cv2, pygame
-from catch_arena.render.sprites import SpriteCache
+from catch_arena.render.sprites import label_sprite, ring_sprite, turtle_sprite
 from catch_arena.render.viewport import OUTSIDE, Viewport
 from catch_arena.replay.motion import Pose2D
 
@@ -28,17 +28,16 @@ _FADE: Final = 0.06
 class Canvas:
     """Buffer, or a part of one, on which shapes are drawn; anything outside is cut off."""
 
-    def __init__(self, buffer: Pixels, surface: "pygame.Surface", sprites: SpriteCache) -> None:
+    def __init__(self, buffer: Pixels, surface: "pygame.Surface") -> None:
         self.pixels = buffer
         """Pixels of shape (height, width, 4): red, green, blue and an unused byte."""
         self._surface = surface
-        self._sprites = sprites
 
     @classmethod
-    def blank(cls, width: int, height: int, color: shapes.Color, sprites: SpriteCache) -> "Canvas":
+    def blank(cls, width: int, height: int, color: shapes.Color) -> "Canvas":
         """Return a canvas on a new buffer of one colour."""
         buffer = np.full((height, width, 4), 255, dtype=np.uint8)
-        canvas = cls(buffer, pygame.image.frombuffer(buffer.data, (width, height), "RGBX"), sprites)
+        canvas = cls(buffer, pygame.image.frombuffer(buffer.data, (width, height), "RGBX"))
         canvas.clear(Rect(0, 0, width, height), color)
         return canvas
 
@@ -49,19 +48,17 @@ class Canvas:
     def part(self, area: Rect) -> "Canvas":
         """Return a canvas that shares the pixels of a rectangle."""
         left, top, width, height = area
-        return Canvas(
-            self.pixels[top : top + height, left : left + width], self._surface.subsurface(area), self._sprites
-        )
+        return Canvas(self.pixels[top : top + height, left : left + width], self._surface.subsurface(area))
 
     def draw(self, drawn: Iterable[shapes.Shape]) -> None:
         """Draw shapes, the first one lowest."""
         for shape in drawn:
             match shape:
                 case shapes.Turtle():
-                    self._blit(*self._sprites.turtle(shape))
+                    self._blit(*turtle_sprite(shape))
                 case shapes.Label():
                     if shape.text:
-                        self._blit(*self._sprites.label(shape))
+                        self._blit(*label_sprite(shape))
                 case shapes.Ring():
                     self._ring(shape)
                 case shapes.Sector():
@@ -83,7 +80,7 @@ class Canvas:
 
     def _ring(self, shape: shapes.Ring) -> None:
         if shape.radius <= _WIDEST_RING:
-            self._blit(*self._sprites.ring(shape))
+            self._blit(*ring_sprite(shape))
         elif shape.radius < 4 * max(self.pixels.shape):  # wider than that, its line is out of sight
             centre = (round(shape.x * 16 - 8), round(shape.y * 16 - 8))
             radius, width = round(shape.radius * 16), round(max(1, shape.width))
@@ -150,12 +147,12 @@ def _outline(width: float, height: float, radius: float) -> NDArray[np.float64]:
 class Ground:
     """Floor of the arena with its trails, which fade to nothing."""
 
-    def __init__(self, viewport: Viewport, sprites: SpriteCache) -> None:
+    def __init__(self, viewport: Viewport) -> None:
         self.viewport = viewport
-        clean = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
+        clean = Canvas.blank(viewport.width, viewport.height, OUTSIDE)
         clean.draw(scene.ground_shapes(viewport))
         self._clean = clean.pixels
-        self._floor = Canvas.blank(viewport.width, viewport.height, OUTSIDE, sprites)
+        self._floor = Canvas.blank(viewport.width, viewport.height, OUTSIDE)
         # reused, since allocating a megabyte for every fade costs more than the fade
         self._above, self._below = np.empty_like(self._clean), np.empty_like(self._clean)
         self._time_ms = 0.0

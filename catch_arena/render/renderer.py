@@ -20,7 +20,6 @@ from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Color, Shape
-from catch_arena.render.sprites import SpriteCache
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
 from catch_arena.render.team_scores import team_scores_shapes
 from catch_arena.render.viewport import Viewport
@@ -58,7 +57,6 @@ class MatchRenderer:
         size: tuple[int, int],
         layout: hud.Layout,
         seed: int | None = None,
-        sprites: SpriteCache | None = None,
         captions: Captions = "plain",
     ) -> None:
         require_choice("layout", layout, get_args(hud.Layout))
@@ -70,11 +68,9 @@ class MatchRenderer:
         self._seed = seed
         self._observations: dict[int, NDArray[np.float32]] = {}
         self._plan = hud.arrange(size, layout, len(info.names), len(info.contenders) if info.has_teams else 0)
-        if sprites is None:  # renderers of the same match or size share theirs
-            sprites = SpriteCache()
-        self._frame = Canvas.blank(*size, hud.PANEL, sprites)
+        self._frame = Canvas.blank(*size, hud.PANEL)
         self._arena = self._frame.part(self._plan.arena)
-        self._ground = Ground(Viewport(*self._plan.arena[2:], info.config.side_m), sprites)
+        self._ground = Ground(Viewport(*self._plan.arena[2:], info.config.side_m))
         self.reset()
 
     @property

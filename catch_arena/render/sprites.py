@@ -1,9 +1,9 @@
-"""Sprites: small pictures of turtles, rings and texts, premultiplied, drawn once for each angle and half pixel."""
+"""Sprites: small pictures of turtles, rings and texts, premultiplied, drawn once for each angle and half pixel.
+
+The latest sprites are kept: in a 4K video of the standard arena they take up to 200 MB.
+"""
 
 import math
-from collections import OrderedDict
-from collections.abc import Callable, Hashable
-from dataclasses import replace
 from functools import lru_cache
 from typing import Any, Final, NamedTuple
 
@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 
 from catch_arena.render import text
 from catch_arena.render.optional_imports import cv2, pygame
-from catch_arena.render.shapes import INK, TURTLE_PARTS, Label, Points, Ring, Turtle, ellipse, mix
+from catch_arena.render.shapes import INK, TURTLE_PARTS, Color, Label, Points, Ring, Turtle, ellipse, mix
 
 PHASES: Final = 2
 """Number of positions within a pixel, per axis, for which a sprite is drawn."""
 LIGHT: Final = (0.55, 0.83)
 """Direction of shadows, x and y on the screen; the light does not turn with the turtle."""
-CACHE_BYTES: Final = 96 << 20
 
 
 class Sprite(NamedTuple):
@@ -28,72 +27,39 @@ class Sprite(NamedTuple):
     origin_x: int
     origin_y: int
 
-    @property
-    def bytes(self) -> int:
-        """Size of its pixels."""
-        return 4 * self.surface.get_width() * self.surface.get_height()
+
+def turtle_sprite(shape: Turtle) -> tuple[Sprite, int, int]:
+    """Return a turtle's sprite, and the whole pixels x and y for its origin."""
+    x, y, rest_x, rest_y = _place(shape.x, shape.y, PHASES if shape.length < 64 else 1)
+    turns = max(64, min(192, 8 * round(0.3 * shape.length)))
+    theta = 2.0 * math.pi * (round(shape.theta * turns / (2.0 * math.pi)) % turns) / turns
+    length = round(shape.length)
+    return _turtle(rest_x, rest_y, theta, length, shape.color, shape.faded, shape.contrast), x, y
 
 
-class SpriteCache:
-    """Cache of sprites; the least recently used ones are dropped if all take more than `most_bytes`."""
-
-    def __init__(self, most_bytes: int = CACHE_BYTES) -> None:
-        self._most_bytes = most_bytes
-        self._kept: OrderedDict[Hashable, Sprite] = OrderedDict()
-        self.bytes = 0
-
-    def __len__(self) -> int:
-        return len(self._kept)
-
-    def _get(self, key: Hashable, make: Callable[[], Sprite]) -> Sprite:
-        found = self._kept.get(key)
-        if found is not None:
-            self._kept.move_to_end(key)
-            return found
-        made = self._kept[key] = make()
-        self.bytes += made.bytes
-        while self.bytes > self._most_bytes and len(self._kept) > 1:
-            _, dropped = self._kept.popitem(last=False)
-            self.bytes -= dropped.bytes
-        return made
-
-    def turtle(self, shape: Turtle) -> tuple[Sprite, int, int]:
-        """Return a turtle's sprite, and the whole pixels x and y for its origin."""
-        x, y, phase_x, phase_y = _phase(shape.x, shape.y, PHASES if shape.length < 64 else 1)
-        turns = max(64, min(192, 8 * round(0.3 * shape.length)))
-        theta = 2.0 * math.pi * (round(shape.theta * turns / (2.0 * math.pi)) % turns) / turns
-        inks = round(shape.length), theta, phase_x / PHASES, phase_y / PHASES
-        key = (*inks, shape.color, shape.faded, shape.contrast)
-        return self._get(key, lambda: _tinted(_turtle_inks(*inks), shape)), x, y
-
-    def ring(self, shape: Ring) -> tuple[Sprite, int, int]:
-        """Return a ring's sprite, and the whole pixels x and y for its origin."""
-        x, y, phase_x, phase_y = _phase(shape.x, shape.y)
-        radius, width = round(2.0 * shape.radius) / 2.0, round(4.0 * shape.width) / 4.0
-        opacity, veil = round(shape.opacity * 24) / 24, round(shape.veil * 50) / 50
-        key = ("ring", radius, width, shape.color, opacity, veil, shape.glow, shape.pieces, phase_x, phase_y)
-        rounded = replace(shape, radius=radius, width=width, opacity=opacity, veil=veil)
-        return self._get(key, lambda: _ring(rounded, phase_x, phase_y)), x, y
-
-    def label(self, shape: Label) -> tuple[Sprite, int, int]:
-        """Return a text's sprite, and the whole pixels for its origin; only outlined texts move, by half pixels."""
-        shown = text.truncated(shape.text, shape.size, shape.weight, shape.max_width)
-        width = text.text_width(shown, shape.size, shape.weight)
-        left = shape.x - {"left": 0.0, "center": width / 2.0, "right": width}[shape.align]
-        baseline = shape.y + text.MIDDLE * shape.size
-        if shape.outline is None:
-            x, y, phase_x, phase_y = round(left), round(baseline), 0, 0
-        else:
-            x, y, phase_x, phase_y = _phase(left, baseline)
-        opacity = round(shape.opacity * 8) / 8
-        key = ("label", shown, shape.size, shape.weight, shape.color, shape.outline, opacity, phase_x, phase_y)
-        return self._get(key, lambda: _label(shape, shown, opacity, phase_x, phase_y)), x, y
+def ring_sprite(shape: Ring) -> tuple[Sprite, int, int]:
+    """Return a ring's sprite, and the whole pixels x and y for its origin."""
+    x, y, rest_x, rest_y = _place(shape.x, shape.y)
+    radius, width = round(2.0 * shape.radius) / 2.0, round(4.0 * shape.width) / 4.0
+    opacity, veil = round(shape.opacity * 24) / 24, round(shape.veil * 50) / 50
+    return _ring(rest_x, rest_y, radius, width, shape.color, opacity, veil, shape.glow, shape.pieces), x, y
 
 
-def _phase(x: float, y: float, phases: int = PHASES) -> tuple[int, int, int, int]:
-    """Return a place, rounded to 1 / `phases` of a pixel: whole x, whole y, rest of x, rest of y in such parts."""
+def label_sprite(shape: Label) -> tuple[Sprite, int, int]:
+    """Return a text's sprite, and the whole pixels for its origin; only outlined texts move, by half pixels."""
+    shown = text.truncated(shape.text, shape.size, shape.weight, shape.max_width)
+    width = text.text_width(shown, shape.size, shape.weight)
+    left = shape.x - {"left": 0.0, "center": width / 2.0, "right": width}[shape.align]
+    baseline = shape.y + text.MIDDLE * shape.size
+    x, y, rest_x, rest_y = _place(left, baseline, 1 if shape.outline is None else PHASES)
+    opacity = round(shape.opacity * 8) / 8
+    return _label(rest_x, rest_y, shown, shape.size, shape.color, shape.weight, shape.outline, opacity), x, y
+
+
+def _place(x: float, y: float, phases: int = PHASES) -> tuple[int, int, float, float]:
+    """Return a place, rounded to 1 / `phases` of a pixel: whole x, whole y, rest of x, rest of y [pixels]."""
     at_x, at_y = round(x * phases), round(y * phases)
-    return at_x // phases, at_y // phases, at_x % phases, at_y % phases
+    return at_x // phases, at_y // phases, at_x % phases / phases, at_y % phases / phases
 
 
 def _sprite(pixels: NDArray[np.floating[Any]], origin_x: int, origin_y: int) -> Sprite:
@@ -116,7 +82,7 @@ _SHEEN: Final = ellipse(0.0, 0.0, 0.185, 0.14)
 
 
 @lru_cache(maxsize=1024)
-def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> NDArray[np.uint8]:
+def _turtle_inks(x: float, y: float, theta: float, length: int) -> NDArray[np.uint8]:
     """Return a turtle before it has a colour: (side, side, 4), 0 to 255.
 
     The channels are the part of its own colour, the part of white, coverage, and the coverage of its visible shadow.
@@ -127,7 +93,7 @@ def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> N
     picture = np.zeros((side * fine, side * fine, 3), dtype=np.uint8)
     unit = float(length * fine)
     turn = unit * np.array([[math.cos(theta), -math.sin(theta)], [-math.sin(theta), -math.cos(theta)]])
-    middle = np.array([(half + phase_x) * fine, (half + phase_y) * fine])
+    middle = np.array([(half + x) * fine, (half + y) * fine])
 
     def placed(points: Points) -> NDArray[np.int32]:
         return np.asarray(np.rint(points @ turn.T + middle), dtype=np.int32)
@@ -147,14 +113,16 @@ def _turtle_inks(length: int, theta: float, phase_x: float, phase_y: float) -> N
     return np.dstack([small, np.rint(under).astype(np.uint8)])
 
 
-def _tinted(inks: NDArray[np.uint8], shape: Turtle) -> Sprite:
-    """Return the sprite of inks in a turtle's colours; one matrix colours every channel, a sum of the inks."""
-    tint = mix(shape.color, INK, 0.5) if shape.faded else shape.color
-    kept = 0.55 if shape.faded else 1.0
+@lru_cache(maxsize=2048)
+def _turtle(x: float, y: float, theta: float, length: int, color: Color, faded: bool, contrast: float) -> Sprite:
+    """Return the sprite of a turtle; one matrix colours every channel, a sum of the inks."""
+    inks = _turtle_inks(x, y, theta, length)
+    tint = mix(color, INK, 0.5) if faded else color
+    kept = 0.55 if faded else 1.0
     # less contrast lightens the parts that are neither its own colour nor white
-    lit = [own * (1.0 - shape.contrast) / 255.0 for own in tint]
+    lit = [own * (1.0 - contrast) / 255.0 for own in tint]
     matrix = [
-        (own * shape.contrast / 255.0, 1.0 - light, light, ink / 255.0)
+        (own * contrast / 255.0, 1.0 - light, light, ink / 255.0)
         for own, light, ink in zip(tint, lit, INK, strict=True)
     ]
     matrix.append((0.0, 0.0, 1.0, 1.0))
@@ -168,39 +136,43 @@ _WIDEST_GAP: Final = 3.0
 """Bounds of half the gap between two pieces of a ring: the least in pixels, the widest in widths of the line."""
 
 
-def _ring(shape: Ring, phase_x: int, phase_y: int) -> Sprite:
-    radius, width, opacity = shape.radius, shape.width, shape.opacity
-    reach = radius + (2.5 * width if shape.glow else 0.5 * width) + 2.0
+@lru_cache(maxsize=512)
+def _ring(
+    x: float, y: float, radius: float, width: float, color: Color, opacity: float, veil: float, glow: bool, pieces: int
+) -> Sprite:
+    reach = radius + (2.5 * width if glow else 0.5 * width) + 2.0
     half = math.ceil(reach)
     position = np.arange(2 * half, dtype=np.float32) + 0.5 - half
-    right, down = position[None, :] - phase_x / PHASES, position[:, None] - phase_y / PHASES
+    right, down = position[None, :] - x, position[:, None] - y
     distance = np.hypot(right, down)
     off = np.abs(distance - radius)
     cover = np.clip(0.5 + width / 2.0 - off, 0.0, 1.0) * opacity
-    if shape.pieces > 1:
-        piece = 2.0 * math.pi / shape.pieces
+    if pieces > 1:
+        piece = 2.0 * math.pi / pieces
         from_gap = np.abs(np.remainder(np.arctan2(-down, right), piece) - 0.5 * piece) * radius
         gap = max(_LEAST_GAP, min(0.15 * piece * radius, _WIDEST_GAP * width))
         cover *= np.clip(0.5 + from_gap - gap, 0.0, 1.0)
-    if shape.glow:
+    if glow:
         cover = np.maximum(cover, 0.55 * opacity * np.exp(-((off / (1.1 * width + 0.5)) ** 2)))
-    cover = np.maximum(cover, shape.veil * np.clip(radius - distance + 0.5, 0.0, 1.0))
-    return _sprite(cover[..., None] * np.array([*shape.color, 255.0]), half, half)
+    cover = np.maximum(cover, veil * np.clip(radius - distance + 0.5, 0.0, 1.0))
+    return _sprite(cover[..., None] * np.array([*color, 255.0]), half, half)
 
 
-def _label(shape: Label, shown: str, opacity: float, phase_x: int, phase_y: int) -> Sprite:
-    size = shape.size
-    color = np.array([*shape.color, 255.0], dtype=np.float32)
+@lru_cache(maxsize=384)
+def _label(
+    x: float, y: float, shown: str, size: int, color: Color, weight: int, outline: Color | None, opacity: float
+) -> Sprite:
+    fill = np.array([*color, 255.0], dtype=np.float32)
     baseline = round(text.BASELINE * size)
-    if shape.outline is None:
-        ink = text.coverage(shown, size, shape.weight).astype(np.float32) / 255.0
-        return _sprite(ink[..., None] * color * opacity, size, baseline)
+    if outline is None:
+        ink = text.coverage(shown, size, weight).astype(np.float32) / 255.0
+        return _sprite(ink[..., None] * fill * opacity, size, baseline)
     fine = 4
-    large = text.coverage(shown, size * fine, shape.weight)
+    large = text.coverage(shown, size * fine, weight)
     rows, columns = -(-large.shape[0] // fine) + 2, -(-large.shape[1] // fine) + 2
     room = np.zeros((rows * fine, columns * fine), dtype=np.uint8)
     down = baseline * fine - round(text.BASELINE * size * fine)
-    top, left = max(0, down + fine * phase_y // PHASES), fine * phase_x // PHASES
+    top, left = max(0, down + round(fine * y)), round(fine * x)
     room[top : top + large.shape[0], left : left + large.shape[1]] = large
     thick = max(1.0, 0.11 * size) * fine
     brush = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * round(thick) + 1, 2 * round(thick) + 1))
@@ -209,5 +181,5 @@ def _label(shape: Label, shown: str, opacity: float, phase_x: int, phase_y: int)
         cv2.resize(layer, (columns, rows), interpolation=cv2.INTER_AREA).astype(np.float32)[..., None] / 255.0
         for layer in (room, around)
     )
-    outline = np.array([*shape.outline, 255.0], dtype=np.float32)
-    return _sprite((ink * color + np.maximum(edge - ink, 0.0) * 0.92 * outline) * opacity, size, baseline)
+    rim = np.array([*outline, 255.0], dtype=np.float32)
+    return _sprite((ink * fill + np.maximum(edge - ink, 0.0) * 0.92 * rim) * opacity, size, baseline)

@@ -12,7 +12,7 @@ from catch_arena.render.raster import Canvas
 
 
 def a_canvas(width: int = 200, height: int = 100) -> Canvas:
-    return Canvas.blank(width, height, (10, 20, 30), sprites.SpriteCache())
+    return Canvas.blank(width, height, (10, 20, 30))
 
 
 def changed(canvas: Canvas) -> np.ndarray:
@@ -23,7 +23,8 @@ def changed(canvas: Canvas) -> np.ndarray:
 def test_text_is_drawn_with_either_font(monkeypatch, bundled):
     if bundled:
         monkeypatch.setattr(text, "_FACE", None)
-    for cached in (text.text_width, text.truncated):
+    cached_by_font = (text.text_width, text.truncated, sprites._label)
+    for cached in cached_by_font:
         cached.cache_clear()
     try:
         canvas = a_canvas()
@@ -34,17 +35,8 @@ def test_text_is_drawn_with_either_font(monkeypatch, bundled):
         assert abs((columns.max() + columns.min()) / 2 - 100) < 3
         assert canvas.pixels[..., :3].max() == 255
     finally:
-        for cached in (text.text_width, text.truncated):
+        for cached in cached_by_font:
             cached.cache_clear()
-
-
-def test_sprites_make_room_for_each_other():
-    cache = sprites.SpriteCache(most_bytes=100_000)
-    canvas = Canvas.blank(200, 200, (0, 0, 0), cache)
-    for step in range(60):
-        canvas.draw([shapes.Turtle(100.0, 100.0, step / 9.0, 40.0, (255, 0, 0))])
-    assert 1 < len(cache) < 60
-    assert 0 < cache.bytes <= 100_000
 
 
 def test_nothing_is_printed_and_no_display_is_opened():
@@ -73,11 +65,12 @@ def test_turtles_of_nearly_one_length_are_turned_as_each_should_be():
     ]
     alone = []
     for turtle in turtles:
+        for cached in (sprites._turtle, sprites._turtle_inks):
+            cached.cache_clear()
         canvas = a_canvas()
         canvas.draw([turtle])
         alone.append(canvas.pixels.copy())
-    cache = sprites.SpriteCache()
     for turtle, picture in zip(turtles, alone, strict=True):
-        canvas = Canvas.blank(200, 100, (10, 20, 30), cache)
+        canvas = a_canvas()
         canvas.draw([turtle])
         assert np.array_equal(canvas.pixels, picture)
