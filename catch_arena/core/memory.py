@@ -83,6 +83,8 @@ class Sections(NamedTuple):
     """R11.1: lowest seat of each team, in the order of the teams: (teams,); empty without teams."""
     keys: ScratchKeys1
     """Sorting keys, by slot or seat: rows of LANES."""
+    positions: ScratchDoubles1
+    """Positions of the hunters, in one group of lanes: see `ranking.note_positions`."""
     target_tiles: ScratchDoubles1
     """Tiles of the targets in one group of lanes, by slot and lane: see `tiles.tile_index`."""
     body_tiles: ScratchDoubles1

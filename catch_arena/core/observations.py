@@ -19,7 +19,7 @@ from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey_views import gather_prey, write_prey
 from catch_arena.core.random import draw, seed_of
-from catch_arena.core.ranking import Bodies, measure_rivals, order_bodies, pack_order, rank_targets
+from catch_arena.core.ranking import Bodies, measure_rivals, note_positions, order_bodies, pack_order, rank_targets
 from catch_arena.core.state import (
     ABSENT,
     ACTIVE,
@@ -319,6 +319,8 @@ def rank_seen(chunk: Rows, s: Settings, first: int, width: Width, lanes: int, sl
         sections: see `memory.Sections`; the rivals' orders are the result, and in the chunk those of the targets.
     """
     keys, targets, hunters = sections.keys, targets_of(chunk, s), chunk[seat_at(0) : seat_at(s.hunters)]
+    if s.hunters_seen > 0:
+        note_positions(chunk, s, first, width, sections.positions)
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
         reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
@@ -326,7 +328,7 @@ def rank_seen(chunk: Rows, s: Settings, first: int, width: Width, lanes: int, sl
         pack_order(keys, slots, s.targets_seen, first, width, target_order_of(chunk, s, seat))
         if s.hunters_seen > 0:
             rivals = Bodies(hunters, SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
-            measure_rivals(chunk, s, first, width, seat, reach_limit_m2, keys)
+            measure_rivals(chunk, s, first, width, seat, reach_limit_m2, sections.positions, keys)
             order_bodies(me, first, width, lanes, rivals, sections)
             pack_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
 

@@ -138,8 +138,24 @@ def rank_targets(
 
 
 @phase
+def note_positions(chunk: Rows, s: Settings, first: int, width: Width, positions: Rows) -> None:
+    """Write the positions of all hunters, side by side for all observers, in the lanes of one group. A withdrawn hunter
+    is infinitely far, so that no hunter sees it (R1.6).
+
+    Args:
+        positions: the result [m]: x and y by seat, each as many numbers as the group has lanes.
+    """
+    lane = group(first, width)
+    for seat in range(s.hunters):
+        me = seat_of(chunk, seat)
+        at = 2 * seat * len(width) + group(0, width)
+        positions[at] = select(me[WITHDRAWN + lane] > 0.0, np.inf, me[X + lane])
+        positions[len(width) + at] = me[Y + lane]
+
+
+@phase
 def measure_rivals(
-    chunk: Rows, s: Settings, first: int, width: Width, seat: int, reach_limit_m2: float, keys: Keys
+    chunk: Rows, s: Settings, first: int, width: Width, seat: int, reach_limit_m2: float, positions: Rows, keys: Keys
 ) -> None:
     """R7.1, R7.5: write the keys of the other hunters that are seen, in the lanes of one group.
 
@@ -149,9 +165,9 @@ def measure_rivals(
     me, lane = seat_of(chunk, seat), group(first, width)
     x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
     for other in range(s.hunters):
-        rival = seat_of(chunk, other)
-        dx, dy = rival[X + lane] - x, rival[Y + lane] - y
-        key = select(rival[WITHDRAWN + lane] > 0.0, FAR, key_of(dx, dy, other))
+        at = 2 * other * len(width) + group(0, width)
+        dx, dy = positions[at] - x, positions[len(width) + at] - y
+        key = key_of(dx, dy, other)
         if s.partial_view:
             key = select(is_seen(dx, dy, sine, cosine, reach_limit_m2, s), key, FAR)
         keys[other * LANES + lane] = key

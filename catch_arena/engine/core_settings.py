@@ -142,6 +142,7 @@ def section_shapes(
         "teams": (hunters,),
         "team_seats": (teams,),
         "keys": (threads, MOST * LANES),
+        "positions": (threads, MOST * 2 * len(WIDE)),
         "target_tiles": (threads, tiles),
         "body_tiles": (threads, tiles),
         "staging": (threads, -(-staging // LANES) * LANES),  # whole cache lines: no two threads write to the same

@@ -44,6 +44,7 @@ class Results:
         self._rulings, self._verdicts = engine.ruling_rows, engine.ruling_rows[:, 1]
         self._team_by_seat = () if config.teams is None else config.team_by_seat
         self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
+        self._has_prey, self._shows_masks = config.prey > 0, config.mask_in_observation
         self.set_agents(())
 
     def __reduce__(self) -> tuple[Any, ...]:
@@ -69,11 +70,11 @@ class Results:
         """R7.1, R12.4: return the observations after the last step or reset."""
         seen = self._observations.copy()
         observations: dict[str, Any] = {agent: seen[row] for agent, row, _ in self._hunters}
-        if self._config.prey:  # hunters and prey may have observations of different sizes
+        if self._has_prey:  # hunters and prey may have observations of different sizes
             size, of_prey = observation_size(self._config), prey_observation_size(self._config)
             observations = {agent: own[:size] for agent, own in observations.items()}
             observations |= {agent: seen[row, :of_prey] for agent, row in self._prey}
-        if self._config.mask_in_observation:
+        if self._shows_masks:
             masks = self._masks.copy()
             for agent, row, control in self._hunters:
                 if control == "target":

@@ -16,6 +16,7 @@ from catch_arena.core.ranking import (
     is_listed_first,
     lead,
     measure_rivals,
+    note_positions,
     order_bodies,
     pack_order,
 )
@@ -78,7 +79,8 @@ def test_r7_1_of_two_rivals_one_precedes_the_other_and_not_the_other_way_round()
 def sort(memory, chunk, seat, width, lanes, s, order):
     sections, chunk, order = sections_of(memory, 0), by_address(chunk), by_address(order)
     for first in range(0, played_lanes(width), len(width)):
-        measure_rivals(chunk, s, first, width, seat, 0.0, sections.keys)
+        note_positions(chunk, s, first, width, sections.positions)
+        measure_rivals(chunk, s, first, width, seat, 0.0, sections.positions, sections.keys)
         rivals = Bodies(chunk[seat_at(0) : seat_at(s.hunters)], SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
         order_bodies(seat_of(chunk, seat), first, width, lanes, rivals, sections)
         pack_order(sections.keys, s.hunters, s.hunters_seen, first, width, order)
