@@ -100,8 +100,8 @@ class Engine:
         self.with_infos = with_infos
         self.auto_reset = auto_reset
         self._any_control = any_control
-        num_chunks = -(-num_arenas // LANES)
-        self._num_parts = num_chunks * LANES * config.hunters // _HUNTERS_A_PART
+        self._num_chunks = -(-num_arenas // LANES)
+        self._num_parts = self._num_chunks * LANES * config.hunters // _HUNTERS_A_PART
         self.num_threads = max(1, min(num_threads, self._num_parts))
         shapes = section_shapes(
             config, settings, num_arenas, self.num_threads, with_infos=with_infos, auto_reset=auto_reset
@@ -117,7 +117,7 @@ class Engine:
         self._bind_sections(memory, sections)
         with announced(batch=num_arenas > 1, all_rules=options == ALL_OPTIONS):
             self._run_tick(0, 0, 0, _NO_RESETS, True, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)  # plays no chunk
-        spare = num_arenas - (num_chunks - 1) * LANES
+        spare = num_arenas - (self._num_chunks - 1) * LANES
         # lanes without an arena hold only withdrawn hunters
         self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
 
@@ -197,7 +197,7 @@ class Engine:
                 columns). REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all other columns
                 are written.
         """
-        chunks, num_parts = len(self.chunks), self._num_parts
+        chunks, num_parts = self._num_chunks, self._num_parts
         playing = True
         if self.num_threads == 1:
             thread = first_chunk = 0
