@@ -284,7 +284,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._truncated = tuple(agent for agent in agents if truncations[agent]) if ended else ()
         results = self._results
         observations, rewards, infos = results.observations(), results.rewards(), results.infos(self._truncated)
-        if ended or self._leaving:
+        if ended or (self._leaving and not self._leaving.isdisjoint(agents)):
             self._set_agents([] if ended else [agent for agent in agents if agent not in self._leaving])
             self._is_over = not self.agents
         if self.render_mode == "human":

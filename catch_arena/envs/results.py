@@ -41,7 +41,7 @@ class Results:
         # views of the engine's memory: `tick.play` writes the rewards by `rewards.reward`
         self._observations, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
         self._parts, self._prey_parts = engine.parts[0], engine.prey_parts[0]
-        self._rulings, self._verdicts = engine.ruling_rows, engine.ruling_rows[:, 1]
+        self._rulings, self._verdicts = engine.ruling_rows, engine.ruling_rows[:, 1]  # its column of verdicts
         self._team_by_seat = () if config.teams is None else config.team_by_seat
         self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
         self._has_prey, self._shows_masks = config.prey > 0, config.mask_in_observation
