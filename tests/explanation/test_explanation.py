@@ -314,7 +314,7 @@ def half_blind(play, request):
 
 
 def test_what_a_hunter_is_said_to_see_is_what_the_engine_ranks(half_blind):
-    """Every state, every seat, every target: ranks for what it sees, and no rank for what is told as unseen."""
+    """In every state each seat has ranks for the nearest targets in sight, and none for those called unseen."""
     sight = SeenTargets(half_blind.config)
     hidden = 0
     for engine in half_blind.engines():
