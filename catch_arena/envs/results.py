@@ -13,13 +13,16 @@ from catch_arena.verdicts import NO_REQUEST
 Infos = Literal["full", "mask", "none"]
 """R7.2: content of an env's infos."""
 
-_NO_RULING: Final = {
+_USUAL: Final[dict[str, Any]] = {
     "verdict": NO_REQUEST,
     "target": -1,
     "distance_um": -1,
     "winner": -1,
+    "reward_parts": None,
     "TimeLimit.truncated": False,
 }
+"""Info of a hunter without a mask that requests nothing; a copy that has all keys takes less time than adding them."""
+_USUAL_WITH_MASK: Final = {**_USUAL, "action_mask": None}
 
 
 class Results:
@@ -97,13 +100,16 @@ class Results:
         verdicts, parts, masks = self._verdicts.tolist(), self._parts.copy(), self._masks.copy()
         rulings = self._rulings.astype(np.int64).tolist() if any(verdicts) else ()
         for agent, row, control in self._hunters:
-            infos[agent] = info = _NO_RULING.copy()
+            if control == "velocity":
+                info = _USUAL.copy()
+            else:
+                info = _USUAL_WITH_MASK.copy()
+                info["action_mask"] = masks[row]
+            info["reward_parts"] = parts[row]
             if verdicts[row]:
                 number, info["verdict"], info["distance_um"], info["winner"] = rulings[row]
                 info["target"] = number or -1
-            info["reward_parts"] = parts[row]
-            if control != "velocity":
-                info["action_mask"] = masks[row]
+            infos[agent] = info
         if self._hunters_stay:
             active = self._engine.active[0].tolist()
             for agent, row, _ in self._hunters:
