@@ -11,7 +11,6 @@ from typer.core import TyperCommand
 from catch_arena.cli.options import ConditionalOptions
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
-from catch_arena.ros.middleware.bus import Backend
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
 from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
 from catch_arena.ros.middleware.opening import BRIDGE_URL, describe_bus, is_service, open_bus, require_package
@@ -43,18 +42,14 @@ Interface = Annotated[
     ),
 ]
 BusOption = Annotated[
-    Backend | None,
+    str | None,
     typer.Option(
         "--bus",
         metavar="BUS",
-        help="rclpy needs ROS on this machine; cyclonedds needs no ROS; rosbridge needs a rosbridge server on a "
-        "machine with ROS.",
+        help="rclpy needs ROS on this machine; cyclonedds needs no ROS; rosbridge, or its address, such as "
+        f"{BRIDGE_URL}, needs a rosbridge server on a machine with ROS.",
         show_default="the first that works",
     ),
-]
-Url = Annotated[
-    str | None,
-    typer.Option(metavar="URL", help="Address of the rosbridge server; only with rosbridge.", show_default=BRIDGE_URL),
 ]
 
 
@@ -83,7 +78,6 @@ class Bus(Packages):
     """Options for the bus to join."""
 
     bus: BusOption = None
-    url: Url = None
 
     def opened(self, node: str) -> JoinedBus:
         """Join the bus, with a node of this name on it.
@@ -91,7 +85,7 @@ class Bus(Packages):
         Raises:
             BusError: if the bus cannot be reached.
         """
-        return open_bus(self.bus, node=node, url=self.url, log=lambda line: echo(line, err=True))
+        return open_bus(self.bus, node=node, log=lambda line: echo(line, err=True))
 
     @contextmanager
     def joined(self, node: str) -> Iterator[JoinedBus]:
@@ -129,7 +123,6 @@ class NodeUnderTestOptions(ConditionalOptions):
     needs: ClassVar = "the service of a node, such as ros:/catch_turtle"
     interfaces: Interface = INTERFACES
     bus: BusOption = None
-    url: Url = None
 
     @contextmanager
     def node(self, word: str) -> "Iterator[NodeUnderTest]":
@@ -144,6 +137,6 @@ class NodeUnderTestOptions(ConditionalOptions):
         service = word.removeprefix(SERVICE)
         if not is_service(service):
             raise ConfigError(f"a service must be given as ros:/NAME, such as ros:/catch_turtle, got {word!r}")
-        bus = Bus(interfaces=self.interfaces, bus=self.bus, url=self.url)
+        bus = Bus(interfaces=self.interfaces, bus=self.bus)
         with bus.joined("catch_arena") as joined:
             yield NodeUnderTest(joined, service, joined.interfaces(bus.types), lambda line: echo(line, err=True))

@@ -52,7 +52,7 @@ def conformance(
 
     An arbiter is a function with the arguments and the result of catch_arena.arbitrate; `catch-arena docs conformance`
     has an example. A ROS 2 node plays only the cases that fit its service (see `catch-arena docs grade_ros_node`).
-    --interfaces, --bus and --url are for nodes only.
+    --interfaces and --bus are for nodes only.
     """
     from catch_arena.conformance.results import WIDTH, wrapped
     from catch_arena.testing import run_conformance, select_cases

@@ -49,12 +49,6 @@ def compare(
     arena: Duel,
     elo0: Annotated[float, typer.Option(help="H0: A is stronger by this number of rating points.")] = 0.0,
     elo1: Annotated[float, typer.Option(help="H1: A is stronger by this number of rating points.")] = 20.0,
-    shares: Annotated[
-        tuple[float, float] | None,
-        typer.Option(
-            metavar="H0 H1", help="H0 and H1 as A's share instead of points; 0.5 is equal strength.", show_default=False
-        ),
-    ] = None,
     max_blocks: Annotated[int, typer.Option(help="Stop undecided after this number of blocks.")] = 2000,
     seed: Seed = None,
     jobs: Jobs = None,
@@ -74,7 +68,7 @@ def compare(
         raise ConfigError(
             f"number of agents must be 2, A and B, got {len(agents)}; give their opponents with --against"
         )
-    test = Sprt(*(shares or (share_of_elo(elo0), share_of_elo(elo1))))
+    test = Sprt(share_of_elo(elo0), share_of_elo(elo1))
     entrants = enter_agents([*agents, *(against or ())], quotas)
     print_missing_prey(entrants, config)
     first, second, *field = (entrant.name for entrant in entrants)

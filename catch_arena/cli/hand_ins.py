@@ -121,8 +121,8 @@ def grade(
 
     The exit code is 0 if every test passed, else 1. For a class it is 0 if all could be graded, whatever their marks;
     the same command continues after Ctrl-C. To grade a ROS 2 node instead of an agent, give its service as
-    ros:/catch_turtle: the cases of the spec are sent to it (see `catch-arena docs grade_ros_node`). --interfaces,
-    --bus and --url are for nodes only.
+    ros:/catch_turtle: the cases of the spec are sent to it (see `catch-arena docs grade_ros_node`). --interfaces
+    and --bus are for nodes only.
     """
     from catch_arena.classroom.submissions import is_class
     from catch_arena.tournament.grading import json_text, junit_text, seeds_text

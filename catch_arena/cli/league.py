@@ -12,7 +12,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main
-from catch_arena.cli.options import Arena, Cores, Seed, Trust, print_level
+from catch_arena.cli.options import Arena, Cores, Limit, Seed, print_level, quotas_of
 from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import CatchArenaError, ConfigError
@@ -49,7 +49,7 @@ def league(
     ] = None,
     seed: Seed = None,
     cores: Cores,
-    trust: Trust,
+    limit: Limit = None,
 ) -> None:
     """Run a league: new and changed agents are checked and placed, and FOLDER/site shows the table.
 
@@ -57,9 +57,7 @@ def league(
     """
     from catch_arena.league.update import Rules
 
-    quotas = trust.quotas()
-    if quotas is None:
-        raise ConfigError("--trusted must be left out with a league: one agent that hangs would stop all others")
+    quotas = quotas_of(limit)
     pause_s = None if every is None else _seconds(every)
     cores.number()
     print_level(quotas, ["an entry"])

@@ -35,17 +35,13 @@ class Window(Trust, Arena):
 def play(
     agents: Annotated[
         list[str] | None,
-        typer.Argument(metavar="AGENT...", help="More rivals, as with --against.", show_default=False),
-    ] = None,
-    *,
-    against: Annotated[
-        list[str] | None,
-        typer.Option(
+        typer.Argument(
             metavar="AGENT...",
             help="Your rivals; if there are fewer rivals than seats, a rival plays several seats.",
             show_default=", ".join(_RIVALS),
         ),
     ] = None,
+    *,
     seat: Annotated[str, typer.Option(help="Your seat: the number of a hunter, from 0, or prey_0, prey_1, ...")] = "0",
     window: Window,
     record: Annotated[
@@ -65,7 +61,7 @@ def play(
     If there are teams, each agent plays all hunters of one team; the first plays your team-mates. If there is prey,
     agents play it too: give them after the hunters' agents.
     """
-    _show([*(against or ()), *(agents or ())] or list(_RIVALS), window, seat, record, force=force)
+    _show(agents or list(_RIVALS), window, seat, record, force=force)
 
 
 @main.command()

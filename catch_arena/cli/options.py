@@ -62,6 +62,14 @@ Seed = Annotated[
         show_default="random",
     ),
 ]
+Limit = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="KEY=VALUE",
+        help="Change a limit of isolated agents, for example step_ms=200, or the level of isolation: "
+        "isolation=namespaces or isolation=processes (see `catch-arena docs isolation`); may be repeated.",
+    ),
+]
 ArenaSeed = Annotated[
     int | None,
     typer.Option(
@@ -100,14 +108,7 @@ class Trust:
             "agents that do not come with Catch Arena are isolated (see `catch-arena docs isolation`).",
         ),
     ] = False
-    limit: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="KEY=VALUE",
-            help="Change a limit of isolated agents, for example step_ms=200, or the level of isolation: "
-            "isolation=namespaces or isolation=processes (see `catch-arena docs isolation`); may be repeated.",
-        ),
-    ] = None
+    limit: Limit = None
 
     def quotas(self) -> Quotas | None:
         """Return the quotas of isolated agents, or None with --trusted.
@@ -115,15 +116,11 @@ class Trust:
         Raises:
             ConfigError: for an unknown limit, a level that this machine does not have, or --limit with --trusted.
         """
-        from catch_arena.tournament.isolation.namespaces import available_level
-
         if self.trusted:
             if self.limit:
                 raise ConfigError(f"--limit must be left out with --trusted, which sets no limits, got {self.limit[0]}")
             return None
-        quotas = Quotas.of(**dict(_pairs("--limit", self.limit)))
-        available_level(quotas.isolation)
-        return quotas
+        return quotas_of(self.limit)
 
 
 @dataclass(frozen=True)
@@ -204,6 +201,19 @@ def arena(name: str, settings: list[str] | None) -> ArenaConfig:
         else:
             raise ConfigError(f"--set {group}=... and --set {key}=... must not be given together")
     return scenario_of(name, **overrides)
+
+
+def quotas_of(limits: list[str] | None) -> Quotas:
+    """Return the quotas of isolated agents with the changes of --limit.
+
+    Raises:
+        ConfigError: for an unknown limit, or a level that this machine does not have.
+    """
+    from catch_arena.tournament.isolation.namespaces import available_level
+
+    quotas = Quotas.of(**dict(_pairs("--limit", limits)))
+    available_level(quotas.isolation)
+    return quotas
 
 
 def print_seed(secret: Secret) -> None:

@@ -13,7 +13,7 @@ from catch_arena.cli.outputs import VIDEO, VIDEO_HELP, Force, output_file, outpu
 from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import echo
-from catch_arena.cli.videos import Film, print_report
+from catch_arena.cli.videos import Picture, print_report
 from catch_arena.errors import BusError, ConfigError, install_hint
 
 
@@ -50,7 +50,7 @@ def import_(
     force: Force = False,
     listing: Annotated[bool, typer.Option("--list", help="Print the rulings, and write no video.")] = False,
     reach: Annotated[float, typer.Option(metavar="M", help="Catch distance by which the arbiter judges [m].")] = 0.3,
-    film: Film,
+    picture: Picture,
 ) -> None:
     """Make a video of a recording of turtlesim, and show how the arbiter would have judged each catch."""
     _require_rosbags()
@@ -59,7 +59,7 @@ def import_(
 
     whole = Path(os.path.realpath(bag))
     target = output or whole.with_suffix(".mp4")
-    drawn = film.arguments()
+    drawn = picture.arguments()
     if not listing:
         output_file(target, *VIDEO, force=force)
     with progress_bar("reading", late=True) as show:

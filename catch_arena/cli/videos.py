@@ -26,10 +26,6 @@ _T = TypeVar("_T")
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder with replays.")]
 Speed = Annotated[float, typer.Option(help="Playback speed: below 1 is slow motion, above 1 is a time lapse.")]
-ViewOf = Annotated[
-    str | None,
-    typer.Option(metavar="HUNTER", help="Show the view of this hunter, a seat or a name.", show_default="none"),
-]
 
 
 @dataclass(frozen=True)
@@ -67,16 +63,6 @@ class Picture:
         return {**vars(self), "size": _width_and_height(self.size)}
 
 
-@dataclass(frozen=True)
-class Film(Picture):
-    """Options for the frames of one match's video."""
-
-    layout: Annotated[
-        Literal["broadcast", "arena"], typer.Option(help="Show the scores next to the arena, or the arena alone.")
-    ] = "broadcast"
-    speed: Speed = 1.0
-
-
 @main.command()
 def render(
     replay: Recorded,
@@ -89,7 +75,11 @@ def render(
         ),
     ] = None,
     force: Force = False,
-    film: Film,
+    picture: Picture,
+    layout: Annotated[
+        Literal["broadcast", "arena"], typer.Option(help="Show the scores next to the arena, or the arena alone.")
+    ] = "broadcast",
+    speed: Speed = 1.0,
     start: Annotated[
         float | None,
         typer.Option(
@@ -100,7 +90,10 @@ def render(
         float | None,
         typer.Option("--to", metavar="SECONDS", help="Time in the match at which it ends.", show_default="the end"),
     ] = None,
-    view_of: ViewOf = None,
+    view_of: Annotated[
+        str | None,
+        typer.Option(metavar="HUNTER", help="Show the view of this hunter, a seat or a name.", show_default="none"),
+    ] = None,
     what_if: Annotated[
         float | None,
         typer.Option(
@@ -127,7 +120,7 @@ def render(
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
-    part: dict[str, Any] = {"start_s": start, "end_s": end, "view_of": view_of}
+    part: dict[str, Any] = {"start_s": start, "end_s": end, "view_of": view_of, "layout": layout, "speed": speed}
     usual = replay.with_suffix(".mp4")
     if what_if is not None:
         usual = replay.with_name(f"{replay.stem}-what-if-{what_if:g}s.mp4")
@@ -139,9 +132,9 @@ def render(
         raise ConfigError("--hunter needs --what-if, the time of a contest that this hunter lost")
     target = output or usual
     paged = target.suffix.lower() == PAGE
-    if paged and (film != Film() or any(value is not None for value in part.values())):
+    if paged and (picture, *part.values()) != (Picture(), None, None, None, "broadcast", 1.0):
         raise ConfigError(f"{target}: options of a video must be left out for a page, whose player has controls")
-    drawn = film.arguments()
+    drawn = picture.arguments()
     output_file(target, *VIDEO, PAGE, force=force)
     if what_if is not None:
         with progress_bar("searching", late=True) as show:
@@ -165,8 +158,7 @@ def clip(
     seconds: Annotated[float, typer.Option(metavar="SECONDS", help="Length of the clip.")] = 8.0,
     output: Annotated[Path | None, output_option(VIDEO_HELP, "an MP4 file next to the replay")] = None,
     force: Force = False,
-    film: Film,
-    view_of: ViewOf = None,
+    picture: Picture,
 ) -> None:
     """Turn some seconds of a recorded match into a video."""
     from catch_arena.replay import Replay
@@ -179,10 +171,10 @@ def clip(
         raise ConfigError(f"seconds must be positive, got {seconds:g}")
     start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
-    drawn = film.arguments()
+    drawn = picture.arguments()
     output_file(target, *VIDEO, force=force)
     end = min(whole_s, start + seconds)
-    _write_video(recorded, replay, target, start_s=start, end_s=end, view_of=view_of, **drawn)
+    _write_video(recorded, replay, target, start_s=start, end_s=end, **drawn)
 
 
 def _write_video(recorded: "Replay", path: Path, target: Path, **options: Any) -> None:
@@ -213,7 +205,6 @@ def mosaic(
     count: Annotated[
         int, typer.Option(metavar="N", min=1, max=64, help="Maximum number of matches; the first by name are shown.")
     ] = 64,
-    view_of: ViewOf = None,
 ) -> None:
     """Show all matches of a folder at the same time, in a grid."""
     from catch_arena.render.mosaic import render_mosaic
@@ -222,7 +213,7 @@ def mosaic(
     matches, there = _from_replays(folder, lambda replay: replay, count)
     found = {path.stem: replay for path, replay in matches.items()}
     with progress_bar("rendering") as show:
-        report = render_mosaic(found, output, speed=speed, view_of=view_of, progress=show)
+        report = render_mosaic(found, output, speed=speed, progress=show)
     echo(f"matches: {len(found)} of {there}")
     print_report(report)
 

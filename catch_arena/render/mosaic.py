@@ -2,7 +2,7 @@
 
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from pathlib import Path
 from typing import Final, NamedTuple
@@ -21,7 +21,6 @@ from catch_arena.render.video import (
     frame_size,
     pace_of,
     rendered_frames,
-    viewed_seats,
     write_video,
 )
 from catch_arena.replay import Replay
@@ -90,7 +89,6 @@ def render_mosaic(
     path: str | os.PathLike[str],
     *,
     speed: float = 1.0,
-    view_of: int | str | None = None,
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write a video in which all matches run at the same time; a match that has ended shows its result until all end.
@@ -101,12 +99,10 @@ def render_mosaic(
         replays: 1 to 64 matches, by the text below each.
         path: the file to write.
         speed: seconds of the match in a second of the video.
-        view_of: as in `video.render_replay`; the cell of a match without such a view shows no view.
         progress: called with (frames written, frames in all).
 
     Raises:
-        ConfigError: for too many matches or none, an invalid ending or speed, and a hunter that has no view to show in
-            any of the matches.
+        ConfigError: for too many matches or none, and an invalid ending or speed.
         OutputError: if the file cannot be written; no half-written file is left.
     """
     if not 1 <= len(replays) <= MOST:
@@ -116,10 +112,9 @@ def render_mosaic(
     largest = LARGEST if kind.size[0] >= LARGEST[0] else LARGEST_SMALL
     grid = fit_grid(len(replays), largest, _STRIP + _LABEL)
     size = frame_size(kind, grid.size)
-    views = viewed_seats(replays.values(), view_of)
     end_ms = max(_end_ms(replay, fps, pace) for replay in replays.values())
     whole = Clip(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
-    return write_video(path, _pictures(replays, views, grid, size, whole), size, fps, whole.frames, progress)
+    return write_video(path, _pictures(replays, grid, size, whole), size, fps, whole.frames, progress)
 
 
 def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
@@ -127,16 +122,13 @@ def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
     return replay.duration_ms + math.ceil(1000 * pace / fps)
 
 
-def _pictures(
-    replays: Mapping[str, Replay], views: Sequence[int | None], grid: Grid, size: tuple[int, int], whole: Clip
-) -> Iterator[Pixels]:
+def _pictures(replays: Mapping[str, Replay], grid: Grid, size: tuple[int, int], whole: Clip) -> Iterator[Pixels]:
     frame = Canvas.blank(*size, hud.PANEL)
     cells = []
-    for area, (name, replay), view_of in zip(grid.cells(len(replays)), replays.items(), views, strict=True):
+    for area, (name, replay) in zip(grid.cells(len(replays)), replays.items(), strict=True):
         label = round(_LABEL * area.width)
         picture = area._replace(height=area.height - label)
         renderer = MatchRenderer(MatchInfo.of_replay(replay), picture[2:], "arena")
-        renderer.view_of = view_of
         clip = Clip(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
         below = area._replace(top=area.top + area.height - label, height=label)
         cells.append(_Cell(name, renderer, rendered_frames(replay, renderer, clip), frame, picture, below))

@@ -96,7 +96,7 @@ def render_replay(
         end_s = min(replay.duration_ms, judged_ms + AFTER_MS) / 1000.0
     clip = clip_of(replay, kind, fps, start_s or 0.0, end_s, speed)
     renderer = MatchRenderer(MatchInfo.of_replay(replay, event=event), within, layout, replay.seed, captions=captions)
-    (renderer.view_of,) = viewed_seats([replay], view_of)
+    renderer.view_of = None if view_of is None else _viewed_seat(replay, view_of)
     if start_s is not None or end_s is not None:
         pictures = rendered_frames(replay, renderer, clip)
         if what_if is not None:
@@ -169,26 +169,12 @@ def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> M
     return MatchRenderer(MatchInfo.of_replay(replay), size, layout, replay.seed)
 
 
-def viewed_seats(replays: Iterable[Replay], hunter: int | str | None) -> list[int | None]:
-    """Return a hunter's seat for each match that can show its view, and None for each other match.
+def _viewed_seat(replay: Replay, hunter: int | str) -> int:
+    """Return the seat of a hunter whose view can be shown.
 
     Raises:
-        ConfigError: if no match can show the view: it has no such hunter, or its hunters see everything as it is.
+        ConfigError: if the match has no such hunter, or its hunters see everything as it is.
     """
-    seats: list[int | None] = []
-    faults = []
-    for replay in replays:
-        try:
-            seats.append(None if hunter is None else _viewed_seat(replay, hunter))
-        except ConfigError as error:
-            seats.append(None)
-            faults.append(error)
-    if faults and len(faults) == len(seats):
-        raise faults[0]
-    return seats
-
-
-def _viewed_seat(replay: Replay, hunter: int | str) -> int:
     seat = find_seat(replay, hunter)
     if not replay.config.limits_views:
         raise ConfigError(

@@ -93,7 +93,7 @@ def played(session, *words):
 
 
 def test_a_person_plays_to_the_end_and_is_recorded(session):
-    printed, replay = played(session, "--against", "nearest", "patrol", "--seat", "1")
+    printed, replay = played(session, "nearest", "patrol", "--seat", "1")
     assert replay.names == ("nearest", "you", "patrol", "nearest#2")
     assert replay.config.controls[:2] == ("target", "velocity")
     assert replay.steps == 10
@@ -106,7 +106,7 @@ def test_a_person_plays_to_the_end_and_is_recorded(session):
 def test_a_scenario_can_be_played_by_a_person(session, name):
     """To its end, even where the person's own hunter drops out."""
     dropout = ["--set", "dropout_rate=0.2"] if name == "dropout" else []
-    _, replay = played(session, "--scenario", name, *dropout, "--seed", "3", "--against", "intercept")
+    _, replay = played(session, "--scenario", name, *dropout, "--seed", "3", "intercept")
     assert replay.config.target_motion == SCENARIOS[name].target_motion
     assert replay.steps == 10
     assert explain(replay).records[0].dropped_out == (name == "dropout")
@@ -114,7 +114,7 @@ def test_a_scenario_can_be_played_by_a_person(session, name):
 
 def test_a_person_plays_prey(session):
     """Against hunters; what it drives is recorded as the prey's actions."""
-    words = ["--scenario", "tag", "--seat", "prey_0", "--seed", "1", "--against", "nearest"]
+    words = ["--scenario", "tag", "--seat", "prey_0", "--seed", "1", "nearest"]
     printed, replay = played(session, *words)
     assert replay.names[3:] == ("you",)
     assert set(replay.config.controls) == {"target"}
@@ -123,7 +123,7 @@ def test_a_person_plays_prey(session):
 
 
 def test_a_person_plays_in_a_team_whose_other_hunters_the_first_agent_plays(session):
-    words = ["--scenario", "pairs", "--against", "nearest", "patrol", "--seat", "hunter_1"]
+    words = ["--scenario", "pairs", "nearest", "patrol", "--seat", "hunter_1"]
     printed, replay = played(session, *words)
     assert replay.names == ("nearest", "you", "patrol", "patrol")
     assert replay.config.controls[1] == "velocity"
@@ -295,7 +295,7 @@ def test_a_slow_agent_plays_on_and_the_window_is_drawn_meanwhile(session, over, 
             ["play", "--scenario", "tag", "--seat", "3"],
             "--seat must be a seat of tag, got 3; known: hunter_0, hunter_1, hunter_2, prey_0",
         ),
-        (["play", "--against", "nearst"], "did you mean nearest"),
+        (["play", "nearst"], "did you mean nearest"),
         (["play", "nearest", "patrol", "idle", "first"], "number of agents must be at most 3"),
         (["watch", "nearest", "--scenario", "dual"], "did you mean duel"),
         (["play", "nearest", "--record", "."], "the name must end in .replay, got no ending"),

@@ -63,31 +63,6 @@ def test_from_one_match_to_sixty_four(play, tmp_path, monkeypatch, count, ending
     assert decoded(report.path)[0].shape[:2] == report.size[::-1]
 
 
-def test_a_hunters_view_is_shown_in_the_matches_that_it_plays(play, tmp_path):
-    """The others are as they were."""
-    foggy = {"view_radius_m": 2.0, "time_limit_s": 0.4}
-    matches = {"a": play("duel", names=("ann", "bob"), **foggy), "b": play("duel", names=("bob", "eve"), **foggy)}
-    first = {
-        who: decoded(render_mosaic(matches, tmp_path / f"{who}.mp4", view_of=who).path)[0]
-        for who in (None, "bob", "eve")
-    }
-    cells = fit_grid(2, (640, 640), 0.165).cells(2)
-
-    def differs(who, cell):
-        one, other = (first[which][cell.top :, cell.left :][: cell.height, : cell.width] for which in (who, None))
-        return np.abs(one.astype(int) - other).mean() > 0.5
-
-    changed = {who: [differs(who, cell) for cell in cells] for who in ("bob", "eve")}
-    assert changed == {"bob": [True, True], "eve": [False, True]}
-
-
-def test_a_view_that_no_match_has_is_refused(matches, tmp_path):
-    for who, error in ((0, "view_of needs a match that limits"), ("eve", "unknown hunter 'eve'")):
-        with pytest.raises(ConfigError, match=error):
-            render_mosaic(matches, tmp_path / "grid.mp4", view_of=who)
-    assert list(tmp_path.iterdir()) == []
-
-
 def test_what_cannot_be_is_said(matches, tmp_path):
     match = matches["m1"]
     with pytest.raises(ConfigError, match="1 to 64 matches, got 65"):

@@ -44,12 +44,12 @@ def run(*arguments):
         ),
         (("serve", "--speed", "0"), "--speed must be above 0 and at most 100, got 0"),
         (
-            ("serve", "--bus", "rosbridge", "--url", "ws://127.0.0.1:1"),
+            ("serve", "--bus", "ws://127.0.0.1:1"),
             "no rosbridge server answers at ws://127.0.0.1:1",
         ),
         (
-            ("serve", "--bus", "cyclonedds", "--url", "ws://x"),
-            "--url ws://x must come with --bus rosbridge, got --bus cyclonedds",
+            ("serve", "--bus", "zenoh"),
+            "--bus must be rclpy, cyclonedds, rosbridge, or an address such as ws://127.0.0.1:9090, got 'zenoh'",
         ),
         (("serve", "--set", "control_period_ms=100"), "--set control_period_ms=... must be left out: on a bus each"),
         (("serve", "--seat", "0=Ros"), "use ros for a node, and human for a person"),

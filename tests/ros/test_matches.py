@@ -45,10 +45,8 @@ def test_a_node_behind_rosbridge_plays_a_match_and_catches():
     """JSON both ways; nobody has DDS."""
     with (
         running_bridge() as (_, url),
-        started(None, "ros", "serve", "--bus", "rosbridge", "--url", url, *ARENA) as arena,
-        started(
-            *(None, "ros", "controller", "nearest", "--bus", "rosbridge", "--url", url, "--service", "/catch_turtle")
-        ) as controller,
+        started(None, "ros", "serve", "--bus", url, *ARENA) as arena,
+        started(*(None, "ros", "controller", "nearest", "--bus", url, "--service", "/catch_turtle")) as controller,
     ):
         out, err, status = finished(arena)
         controller.send_signal(signal.SIGINT)

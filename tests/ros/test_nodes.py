@@ -140,7 +140,7 @@ def behind(url):
     ended, ready = threading.Event(), threading.Event()
 
     def run():
-        bus = open_bus("rosbridge", url=url, log=lambda _: None)
+        bus = open_bus(url, log=lambda _: None)
         referee = Referee(bus)
         ready.set()
         while not ended.is_set():
@@ -168,7 +168,7 @@ GRADE = ("grade", "--spec", "spec.toml")
 
 
 def over_rosbridge(url, service, command, *words):
-    return command_line.run(command, service, *words, "--bus", "rosbridge", "--url", url)
+    return command_line.run(command, service, *words, "--bus", url)
 
 
 def refused(error, *words):
@@ -206,7 +206,7 @@ def test_an_arena_is_refused_with_a_service():
     refused(why, "conformance", "ros:/c", "--arena", "a:B")
 
 
-@pytest.mark.parametrize("option", [["--bus", "rclpy"], ["--url", "ws://x"], ["--interfaces", "x"]])
+@pytest.mark.parametrize("option", [["--bus", "rclpy"], ["--bus", "ws://x"], ["--interfaces", "x"]])
 @pytest.mark.parametrize(
     "words", [["conformance", "catch_arena:arbitrate"], ["grade", "nearest", "--spec", "spec.toml"]]
 )

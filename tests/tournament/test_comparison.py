@@ -64,7 +64,7 @@ def test_the_decision_does_not_depend_on_the_number_of_processes():
         (["idle", "nearest", "--elo1", "100"], 1, "idle is not stronger than nearest \\(H0\\)"),
         (["nearest", "contested", "--max-blocks", "2"], 3, "undecided after 2 blocks"),
         (
-            ["idle", "nearest", "-s", "standard", "--shares", "0.4", "0.6", *["--against", "patrol"] * 3],
+            ["idle", "nearest", "-s", "standard", "--elo0", "-70", "--elo1", "70", *["--against", "patrol"] * 3],
             1,
             "H0",
         ),
@@ -91,7 +91,6 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
         (["nearest"], "number of agents must be 2, A and B, got 1"),
         (["nearest", "idle", "first"], "give their opponents with --against"),
         (["nearest", "idle", "--elo0", "30"], "share0 < share1"),
-        (["nearest", "idle", "--shares", "0.5", "1.5"], "got 0.5 and 1.5"),
         (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),
         (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
         (

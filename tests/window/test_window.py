@@ -35,7 +35,6 @@ def still(desk) -> bool:
 def test_a_person_drives_pauses_steps_saves_and_ends(desk, started, keep, tmp_path):
     words = [
         "play",
-        "--against",
         "nearest",
         "--scenario",
         "duel",

@@ -15,7 +15,7 @@ from catch_arena.render.encoders import Progress, format_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.timing import Clip
-from catch_arena.render.video import RenderReport, frame_rate, frame_size, frames_of, pace_of, write_video
+from catch_arena.render.video import RenderReport, frame_rate, frame_size, frames_of, write_video
 from catch_arena.ros.bags.contents import BagContents
 from catch_arena.ros.bags.rulings import JudgedCatch
 from catch_arena.scenarios import scenario
@@ -35,9 +35,7 @@ def render_bag(
     size: tuple[int, int] | None = None,
     shape: hud.FrameShape | None = None,
     fps: int | None = None,
-    layout: hud.Layout = "broadcast",
     captions: Captions = "plain",
-    speed: float = 1.0,
     progress: Progress | None = None,
 ) -> RenderReport:
     """Write a bag as a video, with the arbiter's scores and words. The settings are those of `render_replay`.
@@ -51,9 +49,7 @@ def render_bag(
         size: width and height in pixels.
         shape: "landscape", "portrait" or "square"; None for that of `size`, or landscape.
         fps: frames per second.
-        layout: "broadcast" or "arena".
         captions: "plain", "clauses" or "none".
-        speed: seconds of the bag in a second of the video.
         progress: called with (frames written, frames in all).
 
     Raises:
@@ -63,10 +59,10 @@ def render_bag(
     kind = format_of(path)
     within = frame_size(kind, size, shape)
     ticks = ceil(bag.end_ms / TICK_MS)
-    clip = Clip(0, ticks * TICK_MS, frame_rate(kind, fps), pace_of(speed))
+    clip = Clip(0, ticks * TICK_MS, frame_rate(kind, fps))
     names = tuple(bag.hunters)
     config = scenario("standard", hunters=len(names), reach_m=reach_m)
-    renderer = MatchRenderer(MatchInfo.of(config, names, title, clip.end_ms), within, layout, captions=captions)
+    renderer = MatchRenderer(MatchInfo.of(config, names, title, clip.end_ms), within, "broadcast", captions=captions)
     frames = frames_of(bag_worlds(bag, judged), renderer, clip.times_ms)
     return write_video(path, frames, within, clip.fps, clip.frames, progress)
 

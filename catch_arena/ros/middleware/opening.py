@@ -22,32 +22,29 @@ _SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
-def open_bus(
-    backend: Backend | None = None,
-    *,
-    node: str = "catch_arena",
-    url: str | None = None,
-    log: Log = print,
-) -> Bus:
+def open_bus(bus: str | None = None, *, node: str = "catch_arena", log: Log = print) -> Bus:
     """Join a ROS 2 bus, over DDS in the domain ROS_DOMAIN_ID, or 0.
 
     Args:
-        backend: None takes the first of BACKENDS that works here.
+        bus: a back-end, or the address of a rosbridge server, which is BRIDGE_URL for "rosbridge". None takes the first
+            of BACKENDS that works here.
         node: the node's name, over rclpy.
-        url: address of rosbridge's server; None is BRIDGE_URL.
         log: takes one line for each event that a user should see.
 
     Raises:
-        ConfigError: for a domain that does not exist, or a url that this back-end does not use.
+        ConfigError: for a domain that does not exist, or another bus.
         BusError: if a needed package is not installed, or if the bus cannot be reached.
     """
     domain = _domain()
-    if backend is None:
+    url = bus if bus is not None and "://" in bus else BRIDGE_URL
+    named = "rosbridge" if bus == url else bus
+    backend = next((one for one in BACKENDS if one == named), None)
+    if bus is None:
         backend = _first_that_works(log)
+    elif backend is None:
+        raise ConfigError(f"--bus must be {', '.join(BACKENDS)}, or an address such as {BRIDGE_URL}, got {bus!r}")
     elif _import_fault(backend):
         raise BusError(_missing(backend))
-    if backend != "rosbridge" and url is not None:
-        raise ConfigError(f"--url {url} must come with --bus rosbridge, got --bus {backend}")
     if backend == "cyclonedds":
         from catch_arena.ros.middleware.dds_bus import DdsBus
 
@@ -55,7 +52,7 @@ def open_bus(
     if backend == "rosbridge":
         from catch_arena.ros.middleware.rosbridge_bus import RosbridgeBus
 
-        return RosbridgeBus(BRIDGE_URL if url is None else url, log=log)
+        return RosbridgeBus(url, log=log)
     from catch_arena.ros.middleware.rclpy_bus import RclpyBus
 
     return RclpyBus(node, domain)

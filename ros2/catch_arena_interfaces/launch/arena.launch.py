@@ -54,7 +54,9 @@ def generate_launch_description() -> LaunchDescription:
                 "turtlesim", default_value="", description="turtlesim's package; else the one that is installed."
             ),
             DeclareLaunchArgument(
-                "bus", default_value="", description="rclpy, cyclonedds or rosbridge; else the first that is installed."
+                "bus",
+                default_value="",
+                description="rclpy, cyclonedds, rosbridge or its address; else the first that works.",
             ),
             DeclareLaunchArgument("domain", default_value="", description="Of DDS; else ROS_DOMAIN_ID, or 0."),
             DeclareLaunchArgument("spawn_frequency", default_value="", description="Targets a second."),
