@@ -5,8 +5,6 @@ The names listed here are loaded on first use, so that `import catch_arena` is f
 describes each folder and module.
 """
 
-from catch_arena.envs.registration import register_scenarios
-
 TYPE_CHECKING = False  # not imported from typing, which takes longer to load than this module
 if TYPE_CHECKING:
     from typing import Any
@@ -76,9 +74,6 @@ _HOMES = {
 }
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605 - a list of strings, though not a literal one
-
-register_scenarios()
-del register_scenarios
 
 
 def __getattr__(name: str) -> "Any":

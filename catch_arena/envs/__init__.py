@@ -5,5 +5,5 @@
 - agent_names: names of the agents.
 - display: frames, a window, a notebook.
 - global_state: R7.3's view of a whole arena.
-- registration: every scenario under a name of PettingZoo's, by `import catch_arena`.
+- registration: every scenario under a name of PettingZoo's, once it is imported.
 """

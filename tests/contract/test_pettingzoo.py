@@ -12,7 +12,7 @@ from pettingzoo.test.state_test import test_parallel_env as state_test
 from pettingzoo.utils.wrappers.record_video_parallel import RecordVideoParallel
 
 import catch_arena
-import catch_arena.envs
+import catch_arena.envs.registration
 
 CONTROLS = ["target", "velocity", "full", ("target", "velocity", "full", "target")]
 

@@ -17,6 +17,8 @@ Decision = Literal["H0", "H1"]
 
 _IMAGINED: Final = 1e-3
 """Number of blocks that are added for each extreme outcome, so that a distribution with each mean exists."""
+_ERROR: Final = 0.05
+"""Allowed probability of accepting H1 if H0 holds, and of accepting H0 if H1 holds."""
 _HALVINGS: Final = 24
 """Number of bisections for the tilt. The likelihood has its maximum there, so it gets twice as many correct digits."""
 
@@ -27,10 +29,6 @@ class Sprt:
 
     share0: float
     share1: float
-    alpha: float = 0.05
-    """Allowed probability of accepting H1 if H0 holds, in (0, 0.5)."""
-    beta: float = 0.05
-    """Allowed probability of accepting H0 if H1 holds, in (0, 0.5)."""
     _seen: Counter[float] = field(default_factory=Counter, init=False)
 
     def __post_init__(self) -> None:
@@ -39,9 +37,6 @@ class Sprt:
                 f"shares must obey 0 < share0 < share1 < 1, got {self.share0:g} and {self.share1:g}: "
                 "H1 says that the first agent is stronger than under H0"
             )
-        for name in ("alpha", "beta"):
-            if not 0.0 < getattr(self, name) < 0.5:
-                raise ConfigError(f"{name} must lie in (0, 0.5), got {getattr(self, name):g}")
 
     def add(self, outcome: float) -> None:
         """Add the outcome of a block, in [0, 1]."""
@@ -50,7 +45,7 @@ class Sprt:
     @property
     def bounds(self) -> tuple[float, float]:
         """Bounds of the log-likelihood ratio: H0 is accepted at or below the first, H1 at or above the second."""
-        return math.log(self.beta / (1.0 - self.alpha)), math.log((1.0 - self.beta) / self.alpha)
+        return math.log(_ERROR / (1.0 - _ERROR)), math.log((1.0 - _ERROR) / _ERROR)
 
     @property
     def log_likelihood_ratio(self) -> float:
