@@ -168,10 +168,10 @@ class Ground:
         self._floor.pixels[:] = self._clean
         self._time_ms = time_ms
 
-    def draw_trail(self, start: Pose2D, end: Pose2D, agent_color: shapes.Color | None) -> None:
+    def draw_trail(self, way: list[Pose2D], agent_color: shapes.Color | None) -> None:
         """Draw a piece of an agent's way in its colour, or of the way of a target that no agent plays."""
-        if start[:2] != end[:2]:
-            self._floor.draw((scene.trail_shape(self.viewport, start, end, agent_color),))
+        if way.count(way[0]) < len(way):
+            self._floor.draw((scene.trail_shape(self.viewport, way, agent_color),))
 
     def fade(self, time_ms: float) -> None:
         """Fade the trails up to an instant, in at most 150 steps: after long waits there is nothing left to fade."""

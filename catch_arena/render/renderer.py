@@ -152,9 +152,8 @@ class MatchRenderer:
         """Draw one instant of the step that was entered last, with all turtles at `poses`, and return the buffer."""
         if self._motion is None:
             raise ValueError("a step must be entered before one of its instants is drawn")
-        self._extend_trails(time_ms)
+        self._extend_trails(time_ms, poses)
         self._ground.fade(time_ms)
-        self._move_to(poses)
         self._annotations = visible_annotations(self._annotations, time_ms)
         world = self._motion.after
         self._record_standings(world, time_ms)
@@ -218,20 +217,20 @@ class MatchRenderer:
             return []
         return beliefs_of(self.info.config, self.view_of, self._observations[step][self.view_of])
 
-    def _extend_trails(self, until_ms: float) -> None:
-        """Lead the trails through the ticks since the last instant if it is more than two ticks ago."""
-        if self._motion is not None and until_ms - self._moved_ms > 2 * TICK_MS:
-            for poses in self._motion.ticks_between(self._moved_ms, until_ms):
-                self._move_to(poses)
-        self._moved_ms = until_ms
+    def _extend_trails(self, until_ms: float, *last: Poses) -> None:
+        """Lead the trails through the ticks since the last instant, if it is more than two ticks ago, and to `last`.
 
-    def _move_to(self, poses: Poses) -> None:
-        """Move all turtles to `poses` and draw their trails; the trail of a prey is like a hunter's."""
-        for number, end in poses.targets.items():
-            self._ground.draw_trail(self._poses.targets.get(number, end), end, self._prey_colors.get(number))
-        for seat, (start, end) in enumerate(zip(self._poses.hunters, poses.hunters, strict=True)):
-            self._ground.draw_trail(start, end, self.info.color(seat))
-        self._poses = poses
+        The trail of a prey is like a hunter's.
+        """
+        way = [self._poses, *last]
+        if self._motion is not None and until_ms - self._moved_ms > 2 * TICK_MS:
+            way[1:1] = self._motion.ticks_between(self._moved_ms, until_ms)
+        self._moved_ms, self._poses = until_ms, way[-1]
+        for number in self._poses.targets:
+            own = [poses.targets[number] for poses in way if number in poses.targets]
+            self._ground.draw_trail(own, self._prey_colors.get(number))
+        for seat in range(len(self._poses.hunters)):
+            self._ground.draw_trail([poses.hunters[seat] for poses in way], self.info.color(seat))
 
     def _draw_around(self, time_ms: float, played_ms: float) -> None:
         """Draw the parts around the arena; the clock stands still after the end."""

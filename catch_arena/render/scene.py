@@ -11,7 +11,7 @@ from typing import Final
 from catch_arena.render.annotations import Annotation, annotation_shapes
 from catch_arena.render.blurred_view import Belief
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import WHITE, Box, Color, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
+from catch_arena.render.shapes import WHITE, Box, Color, Path, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
 from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, Viewport
 from catch_arena.replay.motion import Pose2D, Poses
 from catch_arena.world import HunterState, TargetState
@@ -44,12 +44,12 @@ def ground_shapes(viewport: Viewport) -> list[Shape]:
     return shapes
 
 
-def trail_shape(viewport: Viewport, start: Pose2D, end: Pose2D, agent_color: Color | None) -> Stroke:
+def trail_shape(viewport: Viewport, way: Sequence[Pose2D], agent_color: Color | None) -> Path:
     """Return a piece of an agent's way in its colour, or of the way of a target that no agent plays."""
-    points = (*viewport.to_pixels(*start[:2]), *viewport.to_pixels(*end[:2]))
+    points = tuple(viewport.to_pixels(pose[0], pose[1]) for pose in way)
     if agent_color is None:
-        return Stroke(*points, viewport.target_trail_width, TARGET_TRAIL)
-    return Stroke(*points, viewport.trail_width, agent_color)
+        return Path(points, viewport.target_trail_width, TARGET_TRAIL)
+    return Path(points, viewport.trail_width, agent_color)
 
 
 def arena_shapes(
