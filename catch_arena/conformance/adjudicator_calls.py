@@ -22,8 +22,11 @@ _LARGEST: Final = 2**64
 """The largest whole number in an answer: larger ones mean nothing here, and Python refuses to print the longest."""
 _AGAIN_S: Final = 1.0
 """Time after which code that swallows the interruption is interrupted again [s]."""
-KINDS: Final = ("success", "verdict", "evidence")
-"""Kinds of differences between rulings, the strongest first: in the grant, the verdict, the distance or the winner."""
+KINDS: Final = ("winner", "granted", "refused", "verdict", "evidence")
+"""Kinds of failures: another hunter is granted the target; only too much is granted; too little; only verdicts differ;
+only distances or winners do.
+"""
+OF_GRANTS: Final = KINDS[:3]
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,7 +37,7 @@ class Difference:
     expected: str
     got: str
     kind: str = field(default="", kw_only=True)
-    """One of KINDS; empty if the difference is not about a ruling."""
+    """One of KINDS, for this request alone; empty if the difference is not about a ruling."""
 
     def __str__(self) -> str:
         return f"{self.subject}: expected {self.expected}; got {self.got}"

@@ -1,5 +1,6 @@
 """Play of a case on an arbiter: unchanged, and in every variant that must not change the answer."""
 
+import dataclasses
 import itertools
 import random
 from collections.abc import Callable, Iterator
@@ -31,18 +32,30 @@ class ArbiterRunner:
 
     def __init__(self, arbiter: Arbiter, case: ArbiterCase, strictness: Strictness) -> None:
         self._arbiter = arbiter
-        self._case = case
+        self._case = self._judged = case
         self._strictness = strictness
         self.variation = ""
         """Description of the variant that is being played; "" for the unchanged case."""
 
     def run(self) -> None:
-        """Play the case unchanged, and in every variant of it.
+        """Play the case unchanged, and in every variant of it: first for the verdicts, and then for the evidence too.
 
         Raises:
             DiffersError: at the first variant whose answer is wrong.
         """
-        case = self._case
+        strictness = self._strictness
+        if strictness.evidence:  # else missing evidence would hide a wrong verdict in a later variant
+            self._strictness = dataclasses.replace(strictness, evidence=False)
+            try:
+                self._play(self._case)
+            except DiffersError:
+                self._strictness = strictness
+                self._judge(self.variation, self._judged)  # once more, with the evidence in words
+                raise
+        self._strictness = strictness
+        self._play(self._case)
+
+    def _play(self, case: ArbiterCase) -> None:
         decided = _with_lots_decided(case, self._judge("", case))
         for variation, variant in (*_reordered(decided), *_without_loser(decided), *_renumbered(case)):
             self._judge(variation, variant)
@@ -52,7 +65,7 @@ class ArbiterRunner:
             self._judge("under the policy nearest", replace(case, policy="nearest", expected=case.under_nearest))
 
     def _judge(self, variation: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
-        self.variation = variation
+        self.variation, self._judged = variation, case
         arguments = case.arguments()
         given = request_rulings(lambda: self._arbiter(**arguments), case.expected)
         return compare(
@@ -81,7 +94,7 @@ class ArbiterRunner:
                         f"target {shortened(lot.target)}",
                         f"each of the hunters {', '.join(map(str, lot.seats))} wins in some of the steps",
                         f"never won by {' or '.join(f'hunter {seat}' for seat in never)}",
-                        kind="success",
+                        kind="winner",
                     )
                 )
 

@@ -103,7 +103,7 @@ def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling
                 f"target {shortened(lot.target)}",
                 f"exactly one winner, drawn by lot: hunter {' or '.join(map(str, allowed))}",
                 f"won by {' and '.join(f'hunter {seat}' for seat in won) or 'no hunter'}",
-                kind="success",
+                kind="refused" if not won else "winner" if len(won) == 1 else "granted",
             )
         )
     return won[0]
@@ -128,7 +128,7 @@ def _decide_lots(
 def _kind(right: ExpectedRuling, given: Ruling) -> str:
     """Return the kind of a difference: see KINDS."""
     if (right.verdict is Verdict.GRANTED) != given.success:
-        return "success"
+        return "granted" if given.success else "refused"
     return "evidence" if right.verdict is given.verdict else "verdict"
 
 

@@ -8,13 +8,16 @@ from typing import Final
 
 import msgspec
 
-from catch_arena.conformance.adjudicator_calls import KINDS, NoRuling
+from catch_arena.conformance.adjudicator_calls import KINDS, OF_GRANTS, NoRuling
 from catch_arena.conformance.comparison import Strictness
 from catch_arena.conformance.results import Failure, Result
 from catch_arena.files import tomllib
 
 _TOLERATED: Final = 0.1
 """Largest number of cases that may contradict a mistake, as a share of the cases that it explains."""
+
+_WEAKNESS: Final = {**dict.fromkeys(OF_GRANTS, 0), "verdict": 1, "evidence": 2, "": 3}
+"""Kinds of failures from wrong grants, the strongest, to those without a kind."""
 
 Ids = Mapping[str, tuple[str, ...]]
 """Names of cases by group."""
@@ -26,22 +29,21 @@ class Mistake(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     looks_like: str
     rule: str
     """The rulebook's rule."""
-    success: Ids = {}
-    """Cases in which it grants a wrong request, or refuses a right one."""
+    winner: Ids = {}
+    granted: Ids = {}
+    refused: Ids = {}
     verdict: Ids = {}
-    """Cases in which other verdicts differ."""
     evidence: Ids = {}
-    """Cases in which distances or winners alone differ."""
+    """Cases that it fails, by the kind of failure (KINDS)."""
 
     def kinds(self, strictness: Strictness) -> dict[str, str]:
         """Return the kinds of its failures under a comparison: one of KINDS by the ids of cases."""
-        tables = {"success": self.success}
-        if not strictness.success_only:
-            tables["verdict"] = self.verdict
-        if strictness.evidence:
-            tables["evidence"] = self.evidence
+        compared = OF_GRANTS if strictness.success_only else KINDS if strictness.evidence else KINDS[:-1]
         return {
-            f"{group}.{name}": kind for kind, ids in tables.items() for group, names in ids.items() for name in names
+            f"{group}.{name}": kind
+            for kind in compared
+            for group, names in getattr(self, kind).items()
+            for name in names
         }
 
 
@@ -69,7 +71,8 @@ class Diagnosis:
 def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnosis, ...]:
     """Return diagnoses that contain each failure once: errors and unreadable answers, known mistakes, then clauses.
 
-    In each of these three kinds the diagnosis with the most failures comes first.
+    In each of these three kinds, wrong grants come before wrong verdicts and those before wrong evidence, and then the
+    diagnosis with the most failures comes first.
     """
     failures = {result.case.id: result.failure for result in results if result.failure is not None}
     groups: dict[tuple[str, str], list[Failure]] = {}
@@ -89,10 +92,11 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
         if id_ not in explained:
             clauses.setdefault(failure.case.clauses[0], []).append(failure)
     by_clause = [Diagnosis(clause, "", tuple(group)) for clause, group in clauses.items()]
-    kinds = (unreadable, known, by_clause)
-    return tuple(
-        diagnosis for kind in kinds for diagnosis in sorted(kind, key=lambda diagnosis: -len(diagnosis.failures))
-    )
+    return tuple(one for kind in (unreadable, known, by_clause) for one in sorted(kind, key=_weakness_and_number))
+
+
+def _weakness_and_number(diagnosis: Diagnosis) -> tuple[int, int]:
+    return min(_WEAKNESS[failure.kind] for failure in diagnosis.failures), -len(diagnosis.failures)
 
 
 def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictness) -> list[Diagnosis]:
@@ -104,7 +108,7 @@ def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictne
     for mistake in known_mistakes():
         kinds = mistake.kinds(strictness)
         explained = {id_ for id_, kind in kinds.items() if id_ in failed and failed[id_].kind == kind}
-        weaker = {id_ for id_, kind in kinds.items() if id_ in failed and KINDS.index(kind) < _rank(failed[id_])}
+        weaker = {id_ for id_, kind in kinds.items() if id_ in failed and _WEAKNESS[failed[id_].kind] > _WEAKNESS[kind]}
         contradicted = len(weaker) + len(kinds.keys() & passed)
         if contradicted <= _TOLERATED * len(explained):
             fitting.append((mistake, explained, contradicted))
@@ -119,8 +123,3 @@ def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictne
         )
         left -= new
     return found
-
-
-def _rank(failure: Failure) -> int:
-    """Return the index of the failure's kind in KINDS, 0 for the strongest; len(KINDS) if it has none."""
-    return KINDS.index(failure.kind) if failure.kind else len(KINDS)

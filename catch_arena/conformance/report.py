@@ -14,8 +14,10 @@ from catch_arena.conformance.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
 from catch_arena.text import printable, printable_lines
 
-_MOST_IN_FULL: Final = 10
-"""Number of diagnoses that are printed in full; of further ones only one case is named."""
+_MOST_LINES: Final = 58
+"""Length of a report by mistake, which is to fit on a page: as many of the first diagnoses as possible are in full."""
+_MOST_NAMED: Final = 6
+"""Number of further diagnoses of which one case is named; others are only counted."""
 _MOST_LINES_OF_IDS: Final = 2
 
 
@@ -59,15 +61,24 @@ class Report:
     def by_mistake(self, width: int) -> str:
         """Return the report by mistake (see `__str__`), in lines of at most `width` characters."""
         numbered = list(enumerate(self.diagnoses, start=1))
-        paragraphs = [self._diagnosis_text(number, diagnosis, width) for number, diagnosis in numbered[:_MOST_IN_FULL]]
-        if rest := numbered[_MOST_IN_FULL:]:
-            lines = ["More mistakes; --only with the id of a case shows it in full:"]
-            lines += [
-                f"{number}. {_heading(diagnosis)}, for example {diagnosis.failures[0].case.id}"
-                for number, diagnosis in rest
-            ]
-            paragraphs.append("\n".join(wrapped(line, width, "", "   ") for line in lines))
-        return "\n\n".join([*paragraphs, *self._by_group(width), wrapped(self.summary, width, "", "  ")])
+        last = [*self._by_group(width), wrapped(self.summary, width, "", "  ")]
+        for in_full in range(len(numbered), 0, -1):
+            paragraphs = [self._diagnosis_text(*one, width) for one in numbered[:in_full]]
+            text = "\n\n".join([*paragraphs, *self._named(numbered[in_full:], width), *last])
+            if text.count("\n") < _MOST_LINES or in_full == 1:
+                return text
+        return "\n\n".join(last)
+
+    def _named(self, rest: Sequence[tuple[int, Diagnosis]], width: int) -> list[str]:
+        """Return one paragraph with the headings of further diagnoses; nothing if there are none."""
+        lines = ["More mistakes; --only with the id of a case shows it in full:"]
+        lines += [
+            f"{number}. {_heading(diagnosis)}, for example {diagnosis.failures[0].case.id}"
+            for number, diagnosis in rest[:_MOST_NAMED]
+        ]
+        if left := rest[_MOST_NAMED:]:
+            lines.append(f"and {len(left)} more, with {counted(sum(len(one.failures) for _, one in left), 'failure')}")
+        return ["\n".join(wrapped(line, width, "", "   ") for line in lines)] if rest else []
 
     def in_full(self, width: int = WIDTH) -> str:
         """Return every failure, the passed cases by group if any failed, and the summary."""

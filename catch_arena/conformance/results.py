@@ -27,8 +27,10 @@ class Failure:
 
     @property
     def kind(self) -> str:
-        """The strongest kind of its differences, see KINDS; "" if none has a kind."""
+        """Its kind by those of its differences, see KINDS; "" if none has a kind."""
         found = {difference.kind for difference in self.differences}
+        if found >= {"granted", "refused"}:
+            return "winner"
         return next((kind for kind in KINDS if kind in found), "")
 
     def __str__(self) -> str:
