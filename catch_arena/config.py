@@ -489,7 +489,7 @@ def require_integer(name: str, value: object, low: int, high: int, high_is: str 
     number = whole_number(value)
     if number is None or not low <= number <= high:
         limit = f"{high} ({high_is})" if high_is else f"{high}"
-        shown = with_type(value) if number is None else number
+        shown = with_type(value) if number is None else shortened(number)
         raise ConfigError(f"{name} must be a whole number from {low} to {limit}, got {shown}")
     return number
 

@@ -5,7 +5,7 @@ from typing import Final
 
 from catch_arena.errors import ConfigError
 from catch_arena.plain import whole_number
-from catch_arena.text import with_type
+from catch_arena.text import shortened, with_type
 
 SEED_LIMIT: Final = 2**64
 """A.5: upper bound of seeds, exclusive; the lower bound is 0."""
@@ -19,7 +19,7 @@ def checked_seed(seed: object) -> int:
     """
     number = whole_number(seed)
     if number is None or not 0 <= number < SEED_LIMIT:
-        shown = with_type(seed) if number is None else number
+        shown = with_type(seed) if number is None else shortened(number)
         raise ConfigError(f"seed must be a whole number from 0 to 2^64 - 1, got {shown}")
     return number
 

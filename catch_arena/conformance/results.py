@@ -27,7 +27,7 @@ class Failure:
 
     @property
     def kind(self) -> str:
-        """Its kind by those of its differences, see KINDS; "" if none has a kind."""
+        """Kind of the failure, from those of its differences: see KINDS; "" if none has a kind."""
         found = {difference.kind for difference in self.differences}
         if found >= {"granted", "refused"}:
             return "winner"

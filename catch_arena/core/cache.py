@@ -21,7 +21,7 @@ import numba.core.caching
 import numba.core.serialize
 import platformdirs
 
-from catch_arena.core.compiler import CHECKED, INTERPRETED, USABLE, numba_settings
+from catch_arena.core.modes import CHECKED, COMPILER, INTERPRETED, numba_settings
 
 caching: Any = numba.core.caching
 serialize: Any = numba.core.serialize
@@ -32,7 +32,7 @@ _MOST_KEPT: Final = 16
 def _cache_directory() -> Path | None:
     """Return the folder for this state of the sources; None if none can be written."""
     digest = _sources_digest()
-    kind = f"{'-checked' if CHECKED else ''}{'' if USABLE else '-numba'}"  # other code from the same sources
+    kind = f"{'-checked' if CHECKED else ''}{'-numba' if COMPILER is None else ''}"  # other code from the same sources
     for parent in _cache_parents():
         folder = parent / f"core-{digest}{kind}"
         with contextlib.suppress(OSError):
@@ -111,7 +111,7 @@ class _Cache(caching.FunctionCache):  # type: ignore[misc]
     def load_overload(self, types: Any, context: Any) -> Any:
         """Return the code for arguments of these types, or None."""
         try:  # Numba's own method first imports the compiler's libraries: more than a third of a warm start
-            found = (self._load_overload if USABLE else super().load_overload)(types, context)
+            found = (super().load_overload if COMPILER is None else self._load_overload)(types, context)
             if found is not None and found.signature.args != tuple(types):  # two processes saved at the same time
                 raise ValueError("for other types")
         except Exception:  # noqa: BLE001 - pickle may raise any exception for a damaged file

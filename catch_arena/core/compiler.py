@@ -5,11 +5,10 @@ Here the parts are only translated, and the whole is linked, optimised and emitt
 since a setting is 0, are left out. Arrays take less code than Numba's own (`addresses`). The calculations reach
 LLVM as they do in Numba's own way: no bit depends on this file (R10.1), only the time to compile.
 
-Everything that is not public in Numba, and may change, is in this file and in `cache`. `USABLE` is false if this Numba
-lacks something needed here; then everything is compiled in Numba's own way.
+Everything that is not public in Numba, and may change, is in this file and in `cache`. If this Numba lacks something,
+the import fails, and `modes` selects Numba's own way.
 """
 
-import os
 import signal
 import threading
 from collections.abc import Iterator
@@ -17,17 +16,13 @@ from contextlib import contextmanager
 from typing import Any, Final
 
 import numba._dynfunc
-import numba.core.caching
 import numba.core.codegen
 import numba.core.compiler
 import numba.core.compiler_machinery
-import numba.core.config
 import numba.core.cpu
 import numba.core.ir
 import numba.core.ir_utils
 import numba.core.typed_passes
-import numba.core.types
-import numba.core.typing.templates
 import numba.core.untyped_passes
 
 # typed in a few places, but not in those used here
@@ -38,39 +33,33 @@ cpu: Any = numba.core.cpu
 ir: Any = numba.core.ir
 ir_utils: Any = numba.core.ir_utils
 typed_passes: Any = numba.core.typed_passes
-types: Any = numba.core.types
 untyped_passes: Any = numba.core.untyped_passes
 _machinery: Any = numba.core.compiler_machinery
-AttributeTemplate: Any = numba.core.typing.templates.AttributeTemplate
 
 _ENDING: Final = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 _Library: Any = codegen.JITCodeLibrary
-_NEEDED: Final[dict[Any, str]] = {
-    _Library: "add_linking_library add_llvm_module enable_object_caching finalize get_function get_pointer_to_function "
-    "_ensure_finalized _finalize_final_module _get_module_for_linking _raise_if_finalized",
-    numba.core.caching.Cache: "_load_overload",
-    codegen.CPUCodegen: "_check_llvm_bugs _module_pass_manager",
-    compiler.CompilerBase: "define_pipelines",
-    compiler.DefaultPassBuilder: "define_nopython_lowering_pipeline define_typed_pipeline define_untyped_pipeline",
-    compiler.Flags: "no_compile",
-    ir: "Arg Assign Const Expr",
-    ir_utils: "get_definition guard",
-    cpu.CPUContext: "insert_user_function",
-    typed_passes: "IRLegalization InlineOverloads NativeLowering NopythonRewrites",
-    untyped_passes: "FindLiterallyCalls InlineClosureLikes InlineInlinables LiteralPropagationSubPipelinePass "
-    "LiteralUnroll MakeFunctionToJitFunction RewriteDynamicRaises RewriteSemanticConstants WithLifting",
-    _dynfunc: "make_function",
-}
-USABLE: Final = os.environ.get("CATCH_ARENA_COMPILER") != "numba" and all(
-    hasattr(owner, name) for owner, names in _NEEDED.items() for name in names.split()
+_NEEDED: Final = (
+    _Library.add_linking_library,
+    _Library.enable_object_caching,
+    _Library.get_function,
+    _Library.get_pointer_to_function,
+    _Library._ensure_finalized,  # noqa: SLF001
+    _Library._finalize_final_module,  # noqa: SLF001
+    _Library._get_module_for_linking,  # noqa: SLF001
+    _Library._raise_if_finalized,  # noqa: SLF001
+    codegen.CPUCodegen._check_llvm_bugs,  # noqa: SLF001
+    codegen.CPUCodegen._module_pass_manager,  # noqa: SLF001
+    compiler.Flags.no_compile,
+    compiler.DefaultPassBuilder.define_untyped_pipeline,
+    compiler.DefaultPassBuilder.define_typed_pipeline,
+    compiler.DefaultPassBuilder.define_nopython_lowering_pipeline,
+    (ir.Arg, ir.Assign, ir.Const, ir.Expr),
+    (ir_utils.get_definition, ir_utils.guard),
+    cpu.CPUContext.insert_user_function,
+    untyped_passes.RewriteSemanticConstants,
+    _dynfunc.make_function,
 )
-"""True if this Numba has all that is needed here, unless CATCH_ARENA_COMPILER=numba; False selects Numba's own way."""
-numba_settings: Any = numba.core.config
-"""Numba's settings; the module fills itself at run time, so that type checkers see none of them."""
-INTERPRETED: Final = bool(numba_settings.DISABLE_JIT)
-"""True with NUMBA_DISABLE_JIT=1: the core runs as plain Python, for debuggers, coverage and comparisons."""
-CHECKED: Final = bool(numba_settings.BOUNDSCHECK)
-"""True with NUMBA_BOUNDSCHECK=1: compiled code tests each index."""
+"""Names that are used only while something is compiled, so that importing this module fails if one is missing."""
 
 
 @contextmanager

@@ -5,13 +5,13 @@ from typing import Any, Final, cast
 
 from llvmlite import ir
 from numba import types
+from numba.core.typing import templates
 from numba.extending import infer_getattr, lower_builtin, lower_getattr_generic, type_callable
-
-from catch_arena.core.compiler import AttributeTemplate
 
 Typer = Callable[..., Any]
 Emitter = Callable[..., Any]
 
+_Fields: Any = templates.AttributeTemplate  # the base of what `infer_getattr` takes
 INT32: Final = ir.IntType(32)
 INT64: Final = ir.IntType(64)
 
@@ -29,7 +29,7 @@ def fields_as(of: Any, type_of: Typer) -> Callable[[Emitter], Emitter]:
     None if there is no such field; the decorated emitter makes the code that reads it.
     """
 
-    class Fields(AttributeTemplate):  # type: ignore[misc]
+    class Fields(_Fields):  # type: ignore[misc]
         key = of
 
         def generic_resolve(self, one: Any, name: str) -> Any:

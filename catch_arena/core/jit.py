@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.cache import kept
-from catch_arena.core.compiler import INTERPRETED, USABLE, OutlinedCompiler, PartCompiler, WholeCompiler
+from catch_arena.core.modes import COMPILER, INTERPRETED
 
 _logger = logging.getLogger("numba")
 if _logger.level == logging.NOTSET:  # with the root logger at DEBUG each compilation writes megabytes
@@ -30,11 +30,11 @@ Rows = NDArray[np.float64]
 """Slice of the arena memory (core/state.py): fields lie LANES apart, and one lane is one arena."""
 
 _FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
-_WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": WholeCompiler} if USABLE else _FLAGS
+_WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": COMPILER.WholeCompiler} if COMPILER else _FLAGS
 _ALONE: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Flags of functions that only compiled code calls: without an entry point for Python they compile in half the time."""
-_INNER: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": PartCompiler} if USABLE else _ALONE
-_OUTLINED: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": OutlinedCompiler} if USABLE else _ALONE
+_INNER: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": COMPILER.PartCompiler} if COMPILER else _ALONE
+_OUTLINED: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": COMPILER.OutlinedCompiler} if COMPILER else _ALONE
 
 
 def rule(function: F) -> F:

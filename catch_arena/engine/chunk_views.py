@@ -88,6 +88,11 @@ class ChunkViews:
         seen = np.take_along_axis(numbers, np.where(none, 0, slots).astype(np.int64), axis=2)
         return np.where(none, 0.0, seen).astype(np.int64).reshape(-1, slots.shape[2])
 
+    def active_targets(self) -> NDArray[np.int64]:
+        """R4.1: return the numbers of the hunters' active targets in each lane, 0 for none: (chunks * LANES, H)."""
+        numbers = self.hunters[:, :, row_of(state.ACTIVE)].swapaxes(1, 2).astype(np.int64)
+        return numbers.reshape(-1, self.hunters.shape[1])
+
     def seeds(self) -> NDArray[np.uint64]:
         """Return the seeds of the current episodes, of all lanes: (chunks * LANES,)."""
         high, low = (

@@ -3,7 +3,7 @@ service do.
 """
 
 import hashlib
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
 from typing import Any, Final
@@ -46,6 +46,7 @@ NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _NO_BYTES: Final = np.zeros(0, dtype=np.uint8)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
+_NO_ACTIONS: Final = (NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -116,15 +117,13 @@ class Engine:
         sections.team_seats[:] = [min(seats) for seats in config.teams or ()]
         self._bind_sections(memory, sections)
         with announced(batch=num_arenas > 1, all_rules=options == ALL_OPTIONS):
-            self._run_tick(0, 0, 0, _NO_RESETS, True, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)  # plays no chunk
-        spare = num_arenas - (self._num_chunks - 1) * LANES
-        # lanes without an arena hold only withdrawn hunters
+            tick.run(self._kind, memory, 0, 0, 0, _NO_RESETS, True, *_NO_ACTIONS)  # plays no chunk
+        spare = num_arenas - (self._num_chunks - 1) * LANES  # lanes without an arena hold only withdrawn hunters
         self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
 
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Bind the memory's sections to attributes."""
         self._memory = memory
-        self._run_tick: Callable[..., None] = partial(tick.run, self._kind, memory)
         self.chunks = sections.chunks
         self.controls = sections.controls
         self.rewards = sections.rewards
@@ -139,8 +138,8 @@ class Engine:
         self.final_masks = sections.final_masks
         self.lengths = sections.lengths
         self.records = sections.records
-        settings = settings_in(sections.settings, ALL_OPTIONS)
-        self._views = ChunkViews(self.config, state.regions_of(settings), self.chunks)
+        regions = state.regions_of(settings_in(sections.settings, ALL_OPTIONS))
+        self._views = ChunkViews(self.config, regions, self.chunks)
         self.ruling_rows = self._views.hunters[0, :, RULING, 0]
         """R5.6: answers of the first arena in its last step: (H, 4). Columns: the target's number, 0 for none; verdict;
         distance [micrometres] and winner's seat, -1 for none. Verdict 0 is no request; ignore the other columns then.
@@ -151,12 +150,8 @@ class Engine:
         self._saved, self._finished = memory[saved:finished], memory[finished:]
         arrays: tuple[NDArray[Any], ...] = sections
         of_arenas, of_finished = map(Sections._fields.index, ("rewards", "final_observations"))
-        self._saved_rows = self._rows_of(arrays[of_arenas:of_finished])
-        self._finished_rows = self._rows_of(arrays[of_finished:])
-
-    def _rows_of(self, sections: Sequence[NDArray[Any]]) -> list[NDArray[np.uint8]]:
-        """Return the bytes of each arena in these sections: (B, bytes) each."""
-        return [section.view(np.uint8).reshape(self.num_arenas, -1) for section in sections if section.size]
+        self._saved_rows = _rows_of(arrays[of_arenas:of_finished])
+        self._finished_rows = _rows_of(arrays[of_finished:])
 
     # playing
 
@@ -197,24 +192,22 @@ class Engine:
                 columns). REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all other columns
                 are written.
         """
-        chunks, num_parts = self._num_chunks, self._num_parts
-        playing = True
+        kind, memory, chunks, playing = self._kind, self._memory, self._num_chunks, True
         if self.num_threads == 1:
-            thread = first_chunk = 0
-            self._run_tick(thread, first_chunk, chunks, _NO_RESETS, playing, choices, commands, requests)
+            tick.run(kind, memory, 0, 0, chunks, _NO_RESETS, playing, choices, commands, requests)
             return
 
         def play(thread: int, part: int) -> None:
-            first_chunk, stop_chunk = part * chunks // num_parts, (part + 1) * chunks // num_parts
-            self._run_tick(thread, first_chunk, stop_chunk, _NO_RESETS, playing, choices, commands, requests)
+            first, stop = part * chunks // self._num_parts, (part + 1) * chunks // self._num_parts
+            tick.run(kind, memory, thread, first, stop, _NO_RESETS, playing, choices, commands, requests)
 
-        run_in_threads(self.num_threads, num_parts, play)
+        run_in_threads(self.num_threads, self._num_parts, play)
 
     def _observe(self, arenas: Sequence[int] | NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
         """Begin episodes, and write the observations and masks of the chunks that contain these arenas."""
-        thread, playing = 0, False
+        kind, memory, playing = self._kind, self._memory, False
         for chunk in sorted(set((np.asarray(arenas) // LANES).tolist())):
-            self._run_tick(thread, chunk, chunk + 1, resets, playing, NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
+            tick.run(kind, memory, 0, chunk, chunk + 1, resets, playing, *_NO_ACTIONS)
             resets = _NO_RESETS  # all episodes have begun
 
     def withdraw(self, arena: int, agent: int) -> None:
@@ -313,8 +306,7 @@ class Engine:
 
     def active_targets(self) -> NDArray[np.int64]:
         """R4.1: return the numbers of the hunters' active targets in each arena: (B, H), 0 for none."""
-        numbers = self._views.hunters[:, :, row_of(state.ACTIVE)].swapaxes(1, 2).astype(np.int64)
-        return numbers.reshape(-1, self.config.hunters)[: self.num_arenas]
+        return self._views.active_targets()[: self.num_arenas]
 
     def seeds(self) -> NDArray[np.uint64]:
         """Return the seeds of the current episodes: (B,)."""
@@ -423,6 +415,11 @@ class Engine:
     def __setstate__(self, state: Bytes) -> None:
         """Copy the memory of another engine of the same config and size."""
         self._memory[:] = state
+
+
+def _rows_of(sections: Sequence[NDArray[Any]]) -> list[NDArray[np.uint8]]:
+    """Return the bytes of each arena in these sections: (B, bytes) each."""
+    return [section.view(np.uint8).reshape(len(section), -1) for section in sections if section.size]
 
 
 def _write_rows(sections: Sequence[NDArray[np.uint8]], arena: int, saved: Bytes) -> None:

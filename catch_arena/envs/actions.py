@@ -58,7 +58,9 @@ class ActionReader:
         """
         row = self.rows.get(agent) if isinstance(agent, str) else None
         if row is None:
-            raise ActionError(f"unknown agent {agent!r}: {suggest(agent, list(self.rows))}")
+            shown = shortened(agent)
+            near = suggest(agent if isinstance(agent, str) else shown, list(self.rows))
+            raise ActionError(f"unknown agent {shown}: {near}")
         return row
 
     def read(self, actions: Mapping[str, Any]) -> None:
@@ -68,7 +70,7 @@ class ActionReader:
             ActionError: for an action that is missing or not legal, and an unknown agent.
         """
         if type(actions) is not dict and not isinstance(actions, Mapping):  # isinstance is slower
-            raise ActionError(f"actions must map each agent to its action, got {actions!r}")
+            raise ActionError(f"actions must map each agent to its action, got {shortened(actions)}")
         if len(actions) != len(self._agents):
             self._require_complete(actions)
         choices, commands, ranks = self.choices[0], self.commands, self._ranks

@@ -157,7 +157,7 @@ class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
         agent = self.agent_selection
         if self.terminations[agent] or self.truncations[agent]:
             if action is not None:
-                raise ActionError(f"{agent}: an action must be None after the agent's end, got {action!r}")
+                raise ActionError(f"{agent}: an action must be None after the agent's end, got {shortened(action)}")
         else:
             self.env.check_action(agent, action)
         super().step(action)

@@ -25,7 +25,7 @@ def checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> 
             names = [given.format(seat=seat) for seat in range(len(usual))]
         except (ValueError, LookupError, AttributeError, TypeError):
             raise ConfigError(
-                f'agent_names must be a pattern such as "agent_{{seat}}", or "agent_{{seat:02d}}", got {given!r}'
+                'agent_names must be a pattern such as "agent_{seat}", or "agent_{seat:02d}", got ' + shortened(given)
             ) from None
     if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names):
         raise ConfigError(f"agent_names must be a pattern with {{seat}} or a list of names, got {shortened(given)}")

@@ -235,11 +235,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             ConfigError: for a seed that is not such a number, and options that are not a dict.
         """
         require_options(options)
+        self._seed = episode_seed(seed, self._seed)
         follows = seed is None and self._engine.ends.item() == state.TRUNCATED
         self._truncated = (
             tuple(agent for agent in self.possible_agents if agent not in self._leaving) if follows else ()
         )
-        self._seed = episode_seed(seed, self._seed)
         self._np_random = None
         self._engine.reset([self._seed])
         self._recorder.begin(self._seed, self._engine)

@@ -21,6 +21,7 @@ from catch_arena.layout import columns, prey_columns
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import checked_seed, fresh_seed
+from catch_arena.text import shortened
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
@@ -381,10 +382,11 @@ class VectorArena:
         if chosen.dtype == np.bool_ and chosen.shape == (self.num_envs,):
             return np.flatnonzero(chosen)
         legal = chosen.ndim == 1 and (chosen.dtype.kind in "iu" or not chosen.size)
-        if not legal or (chosen.size and not 0 <= chosen.min() <= chosen.max() < self.num_envs):
+        outside = chosen[(chosen < 0) | (chosen >= self.num_envs)] if legal else chosen
+        if not legal or outside.size:
             raise ConfigError(
                 f"arenas must be row numbers from 0 to {self.num_envs - 1} or a mask of {self.num_envs}, "
-                f"got {describe_value(chosen)}"
+                f"got {outside[0] if legal else describe_value(chosen)}"
             )
         numbers, counts = np.unique(chosen, return_counts=True)
         if len(numbers) < len(chosen):  # otherwise it would be unclear which of two seeds is meant
@@ -482,7 +484,7 @@ class VectorArena:
         self._require_begun(method)
         row = whole_number(arena)
         if row is None or not 0 <= row < self.num_envs:
-            raise ConfigError(f"arena must be a row from 0 to {self.num_envs - 1}, got {arena!r}")
+            raise ConfigError(f"arena must be a row from 0 to {self.num_envs - 1}, got {shortened(arena)}")
         return row
 
 

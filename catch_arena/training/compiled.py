@@ -16,9 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.batch_policy import BatchView
-from catch_arena.core.compiler import INTERPRETED
 from catch_arena.core.jit import entry, phase, rule
 from catch_arena.core.math import atan2
+from catch_arena.core.modes import INTERPRETED
 from catch_arena.layout import (
     MovingTargetFeatures,
     RivalFeatures,

@@ -106,6 +106,17 @@ def test_a_seed_that_is_none_is_refused(seed):
     assert env.digest() == before
 
 
+def test_a_refused_reset_after_the_end_changes_nothing():
+    """The infos still say who was cut off."""
+    env = catch_arena.parallel_env("duel", max_cycles=1)
+    env.reset(seed=1)
+    env.step(good(env))
+    saved = env.save()
+    with pytest.raises(ConfigError):
+        env.reset(seed=-1)
+    assert env.save() == saved
+
+
 def good(env):
     return {agent: env.action_space(agent).sample() for agent in env.agents}
 
@@ -320,6 +331,33 @@ CALLS = [
 def test_a_wrong_argument_is_named_in_an_error_of_ours(message, call, wrong):
     with pytest.raises(CatchArenaError, match=f"^{message}.*{re.escape(repr(wrong))}"):
         call(wrong)
+
+
+class Silent:
+    def __repr__(self):
+        raise ValueError("no")
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda wrong: begun().reset(seed=wrong),
+        lambda wrong: begun().step(wrong),
+        lambda wrong: begun().step({"hunter_0": 0, "hunter_1": 0, wrong: 0}),
+        lambda wrong: begun().step({"hunter_0": wrong, "hunter_1": 0}),
+        lambda wrong: begun().withdraw(wrong),
+        lambda wrong: begun(catch_arena.env).step(wrong),
+        lambda wrong: begun(catch_arena.VectorArena).reset(seed=wrong),
+        lambda wrong: begun(catch_arena.VectorArena).world(wrong),
+        lambda wrong: catch_arena.VectorArena("duel", wrong),
+    ],
+)
+@pytest.mark.parametrize("wrong", [10**5000, "x" * 100_000, Silent()], ids=["number", "text", "no repr"])
+def test_a_value_that_cannot_be_shown_is_refused_in_a_short_line(call, wrong):
+    """Python refuses to print the longest numbers."""
+    with pytest.raises(CatchArenaError) as error:
+        call(wrong)
+    assert len(str(error.value)) < 300
 
 
 @pytest.mark.parametrize("make", [catch_arena.parallel_env, catch_arena.env])

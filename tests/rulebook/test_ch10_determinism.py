@@ -13,7 +13,7 @@ from rulebook.conftest import ArenaFactory
 from rulebook.episodes import digests
 
 from catch_arena.config import RULESET
-from catch_arena.core.compiler import INTERPRETED
+from catch_arena.core.modes import INTERPRETED
 from catch_arena.envs.parallel import parallel_env
 from catch_arena.replay import Replay
 

@@ -7,7 +7,7 @@ import pytest
 
 import catch_arena
 from catch_arena.batch_policy import BatchView
-from catch_arena.core.compiler import INTERPRETED
+from catch_arena.core.modes import INTERPRETED
 from catch_arena.layout import observation_size
 from catch_arena.policy import Limits, View
 from catch_arena.training import compiled

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from catch_arena.core.addresses import by_address
-from catch_arena.core.compiler import INTERPRETED
+from catch_arena.core.modes import INTERPRETED
 from catch_arena.core.vectors import WIDE, any_of, group
 
 FLAGS = {"nogil": True, "error_model": "numpy", "_nrt": False, "boundscheck": True}

@@ -15,9 +15,9 @@ from llvmlite import binding as llvm
 from catch_arena.config import ArenaConfig
 from catch_arena.core import compiler
 from catch_arena.core.addresses import by_address
-from catch_arena.core.compiler import INTERPRETED
 from catch_arena.core.jit import phase, unkept_entry
 from catch_arena.core.memory import settings_in
+from catch_arena.core.modes import COMPILER, INTERPRETED
 from catch_arena.core.state import ALL_OPTIONS, NO_OPTIONS
 from catch_arena.engine.core_settings import settings_of
 
@@ -25,8 +25,6 @@ ROOT = Path(__file__).parents[2]
 SMALL = """
 import sys
 import numpy as np
-import catch_arena.core.compiler as compiler
-compiler.USABLE = compiler.USABLE and "numba's own way" not in sys.argv
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import entry, phase, outlined, rule
 
@@ -70,31 +68,51 @@ print(work(block), block.tobytes().hex())
 """
 
 
-def run_small(folder, *arguments, interpreted=False):
-    """Output of SMALL."""
+def run_small(folder, before="", **settings):
+    """Output of SMALL after the statements `before`."""
     script = folder / "small.py"
-    script.write_text(SMALL, encoding="utf-8")
-    settings = {"NUMBA_DISABLE_JIT": str(int(interpreted)), "NUMBA_CACHE_DIR": str(folder / "-".join(arguments))}
+    script.write_text(before + SMALL, encoding="utf-8")
     return subprocess.run(
-        [sys.executable, script, *arguments],
+        [sys.executable, script],
         check=True,
         capture_output=True,
         text=True,
-        env={**os.environ, "PYTHONPATH": str(ROOT), **settings},
+        env={**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(folder), **settings},
     ).stdout
 
 
+@pytest.mark.skipif("CATCH_ARENA_COMPILER" in os.environ, reason="another way is chosen")
 def test_this_numba_has_what_is_needed():
-    """Otherwise the first start takes twice as long, and nothing else would tell."""
-    assert compiler.USABLE
+    """Otherwise the first start takes four times as long, and nothing else would tell."""
+    assert COMPILER is compiler
 
 
 def test_the_bits_are_those_of_numbas_own_way_and_of_plain_python(tmp_path):
     """The second run reads them from the cache."""
     compiled, cached = run_small(tmp_path), run_small(tmp_path)
     assert compiled == cached
-    assert compiled == run_small(tmp_path, "numba's own way")
-    assert compiled == run_small(tmp_path, interpreted=True)
+    assert compiled == run_small(tmp_path, CATCH_ARENA_COMPILER="numba")
+    assert compiled == run_small(tmp_path, NUMBA_DISABLE_JIT="1")
+
+
+@pytest.mark.parametrize(
+    "missing",
+    [
+        "numba.core.untyped_passes.WithLifting",
+        "numba.core.typed_passes.NativeLowering",
+        "numba.core.codegen.JITCodeLibrary",
+        "numba.core.compiler.DefaultPassBuilder",
+        "numba.core.codegen.CPUCodegen._module_pass_manager",
+        "numba.core.ir_utils.guard",
+        "numba._dynfunc.make_function",
+    ],
+)
+def test_a_numba_without_what_is_needed_compiles_in_its_own_way(missing, tmp_path):
+    """A name that is only used at the end of a compilation counts too."""
+    owner, _, name = missing.rpartition(".")
+    before = f"import pkgutil, numba\ndelattr(pkgutil.resolve_name({owner!r}), {name!r})\n"
+    before += "from catch_arena.core.modes import COMPILER\nprint(COMPILER)\n"
+    assert run_small(tmp_path, before, NUMBA_DISABLE_JIT="1").startswith("None\n")
 
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
@@ -134,7 +152,7 @@ def test_an_interrupt_while_llvm_takes_over_a_module_lets_nobody_free_it_again()
     assert linked.closed
 
 
-@pytest.mark.skipif(INTERPRETED or not compiler.USABLE, reason="LLVM makes nothing of ours")
+@pytest.mark.skipif(INTERPRETED or COMPILER is None, reason="LLVM makes nothing of ours")
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_while_llvm_makes_machine_code_counts_behind_it(monkeypatch, number):
     """LLVM calls back into Python then, where what is raised is lost: the program played on, and was told that nothing

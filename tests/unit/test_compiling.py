@@ -5,8 +5,8 @@ import gc
 import pytest
 
 from catch_arena.core import cache
-from catch_arena.core.compiler import INTERPRETED
 from catch_arena.core.jit import entry
+from catch_arena.core.modes import INTERPRETED
 from catch_arena.engine import compiling
 from catch_arena.engine.compiling import announced
 

@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from catch_arena.core import cache
-from catch_arena.core.compiler import INTERPRETED
 from catch_arena.core.jit import entry
+from catch_arena.core.modes import INTERPRETED
 
 ROOT = Path(__file__).parents[2]
 BEYOND = """

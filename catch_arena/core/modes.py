@@ -1,0 +1,28 @@
+"""Mode in which this process runs the core: compiled as one piece (`compiler`), in Numba's own way, or interpreted."""
+
+import os
+from types import ModuleType
+from typing import Any, Final
+
+import numba
+
+numba_settings: Any = numba.config
+"""Numba's settings; the module fills itself at run time, so that type checkers see none of them."""
+INTERPRETED: Final = bool(numba_settings.DISABLE_JIT)
+"""True with NUMBA_DISABLE_JIT=1: the core runs as plain Python, for debuggers, coverage and comparisons."""
+CHECKED: Final = bool(numba_settings.BOUNDSCHECK)
+"""True with NUMBA_BOUNDSCHECK=1: compiled code tests each index."""
+
+
+def _compiler() -> ModuleType | None:
+    if os.environ.get("CATCH_ARENA_COMPILER") == "numba":
+        return None
+    try:
+        from catch_arena.core import compiler
+    except (ImportError, AttributeError):  # this Numba lacks something that is not public
+        return None
+    return compiler
+
+
+COMPILER: Final = _compiler()
+"""The module `compiler`; None if CATCH_ARENA_COMPILER=numba, or this version of Numba, selects Numba's own way."""
