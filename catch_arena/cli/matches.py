@@ -161,13 +161,23 @@ def _plan(
     max_matches: int | None,
     secret: Secret,
 ) -> "FixedPlan | UntilSeparated":
-    """Return the plan that the options describe."""
+    """Return the plan that the options describe.
+
+    Raises:
+        ConfigError: if even a sample has more matches in a round than --max-matches allows.
+    """
     from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, plan_of
     from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
 
     if until_separated is None:
         most = MOST_IN_A_ROUND if max_matches is None else max_matches
-        return plan_of(form, len(entrants), parties, rounds, secret, most)
+        plan = plan_of(form, len(entrants), parties, rounds, secret, most)
+        if max_matches is not None and (a_round := plan.size // int(plan.parameters["rounds"])) > max_matches:
+            raise ConfigError(
+                f"--max-matches must be at least {a_round}, for a sample in which all agents play equally often and "
+                f"meet, got {max_matches}"
+            )
+        return plan
     budget = BUDGET if max_matches is None else max_matches
     return UntilSeparated(
         entrants,

@@ -288,7 +288,11 @@ class Store:
         if application_id != _APPLICATION_ID:
             raise StoreError(f"{self.path}: is no store of a tournament")
         if form != _FORMAT:
-            raise StoreError(f"{self.path}: is of format {form}, and this version reads format {_FORMAT}")
+            age = "an older" if form < _FORMAT else "a newer"
+            raise StoreError(
+                f"{self.path}: is of {age} version of Catch Arena (format {form}, and this one reads {_FORMAT}): "
+                "continue, report or export it with that version"
+            )
         with self._store_errors():
             (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
             if found != "ok":

@@ -8,6 +8,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from command_line import run
 from isolation_levels import LEVELS
 
 from catch_arena.cli.options import arena
@@ -17,6 +18,16 @@ from catch_arena.tournament.isolation.namespaces import level_line
 
 ROOT = Path(__file__).parents[2]
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
+
+
+def test_a_round_never_has_more_matches_than_the_user_allows(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    refused = run("tournament", *["idle"] * 12, "--rounds", "1", "--max-matches", "20")
+    assert (refused.exit_code, refused.stderr) == (
+        2,
+        "error: --max-matches must be at least 48, for a sample in which all agents play equally often and meet, got "
+        "20\n",
+    )
 
 
 def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_path):
