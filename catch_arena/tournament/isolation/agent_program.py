@@ -92,8 +92,7 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
     poll.register(into, select.POLLIN)
     while poll.poll()[0][1] & select.POLLIN:
         _enter_folder(Path(folder, "match"))
-        sys.stdout.flush()
-        sys.stderr.flush()
+        _flush()
         parent, child = os.getpid(), os.fork()
         if child == 0:
             try:

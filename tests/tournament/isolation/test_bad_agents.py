@@ -166,6 +166,14 @@ def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_noth
     assert result.logs[1] == ""
 
 
+@pytest.mark.parametrize("closing", ["sys.stdout.close()", "sys.stderr.close()", "sys.stdout.detach()"])
+def test_one_that_prints_nowhere_plays_on(sandbox, tmp_path, closing):
+    (tmp_path / "quiet.py").write_text(source(before=f"import sys\n{closing}\n"))
+    entrants = enter([str(tmp_path / "quiet.py"), "idle"], inspector(sandbox))
+    with start_players(entrants, sandbox) as players:
+        assert play_match(SHORT, 1, players, ["quiet", "idle"]).forfeit_codes == (None, None)
+
+
 def test_a_child_that_would_outlive_its_parent_does_not(sandbox, played):
     assert played(sandbox, "leaves_a_child", "nearest").forfeit_codes == (None, None)
     below = 2 if sandbox.quotas.isolation == "namespaces" else 0  # bubblewrap's first process, and the agent's program
