@@ -2,7 +2,7 @@
 
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cache
 from pathlib import Path
 from typing import Final
@@ -10,7 +10,7 @@ from typing import Final
 from catch_arena.config import Control
 from catch_arena.errors import AgentError
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
-from catch_arena.text import name_fault, one_line
+from catch_arena.text import last_lines, name_fault, one_line
 from catch_arena.tournament.agent_spec import command_of, file_of, resolve, shipped_spec, unique_names
 from catch_arena.tournament.loading import create_policy, has_prey, sources_of
 
@@ -41,6 +41,8 @@ class Entrant:
     """Digest of the agent that plays prey for this entrant."""
     side: Side = "hunter"
     """Side that it plays on in a match."""
+    log: str = field(default="", compare=False)
+    """Last lines of its output during its inspection, if it cannot play."""
 
     @property
     def needs_prey(self) -> bool:
@@ -125,7 +127,8 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
         found = inspections[one.spec]
         digest = one.digest(found.sources)
         fault = None if found.fault is None else one_line(found.fault)
-        entrant = Entrant(name, one.spec, found.control, digest, fault, found.prey, digest)
+        log = "" if fault is None else last_lines(found.log)
+        entrant = Entrant(name, one.spec, found.control, digest, fault, found.prey, digest, log=log)
         entrants.append(replace(entrant, prey_digest=_shipped_prey().digest) if entrant.needs_prey else entrant)
     return tuple(entrants)
 

@@ -26,6 +26,8 @@ class Fault:
     """Reason in one line."""
     late: bool = False
     """True if the seat was too slow."""
+    log: str = ""
+    """Output of an agent that was not started in this match."""
 
 
 # plain tuples: a trusted match makes thousands of them
@@ -100,5 +102,5 @@ class Players:
         """End the agent of a seat that forfeited or dropped out; no process of it is left."""
 
     def logs(self) -> dict[int, str]:
-        """Return the printed text by seat; empty here, since these agents print to this process's own output."""
-        return {}
+        """Return the printed text by seat, of absent agents only: the others print to this process's own output."""
+        return {seat: fault.log for seat, fault in self._absent.items() if fault.log}

@@ -81,6 +81,17 @@ def test_a_match_says_who_forfeited_and_what_they_printed(catch_arena):
     assert result.stderr.startswith(f"{level_line(LEVELS[0])}\ncrashes printed:\nTraceback")
 
 
+def test_what_an_agent_printed_that_could_not_begin_is_shown_and_kept(catch_arena, tmp_path):
+    (tmp_path / "quits.py").write_text("import os\nos.write(2, b'hello\\nlast line\\n')\nos._exit(7)\n")
+    shown = catch_arena("match", "quits.py", "idle", *QUICK)
+    assert shown.exit_code == 0, shown.output
+    assert 'exited with code 7; its last line: "last line"' in shown.stdout
+    assert shown.stderr.endswith("quits printed:\nhello\nlast line\n")
+    catch_arena("tournament", "quits.py", "idle", *QUICK, "--rounds", "1", "--jobs", "1", "--out", "o")
+    logged = (tmp_path / "o/logs/quits.log").read_text()
+    assert logged.count("\nhello\nlast line\n") == 2
+
+
 def test_the_result_of_a_match_names_everybody_by_the_seats(catch_arena):
     short = ["--set", "time_limit_s=2", "--set", "reach_m=3.0", "--seed", "3", "--force"]
     hunt = catch_arena("match", "nearest", "nearest", "patrol", "corners", "--scenario", "tag", *short).stdout

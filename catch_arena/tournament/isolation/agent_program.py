@@ -56,12 +56,14 @@ def main(words: str) -> None:
         words: JSON of the arguments of `serve`.
     """
     arguments = json.loads(words)
+    code = 1
     try:
         serve(**arguments)
-    except BaseException:  # noqa: BLE001 - the last line of the traceback becomes the reason of MatchFailedError
+        code = 0
+    except BaseException:  # noqa: BLE001 - the last line of the traceback becomes part of the reason
         traceback.print_exc()
     finally:
-        _clean_up_and_exit(None if arguments["namespaced"] else Path(arguments["folder"]))
+        _clean_up_and_exit(None if arguments["namespaced"] else Path(arguments["folder"]), code)
 
 
 def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
@@ -101,6 +103,8 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
                 _limit_cpu(allowed.cpu_s)
                 if os.getppid() == parent:
                     _serve_match(spec, into, out)
+            except BaseException as error:  # noqa: BLE001 - a class may raise anything when an instance is made
+                _print(error)
             finally:
                 os._exit(1)
         code = _exit_code(child)
@@ -212,14 +216,14 @@ def _tasks() -> int:
     return int(Path("/proc/loadavg").read_text().split()[3].partition("/")[2])
 
 
-def _clean_up_and_exit(folder: Path | None) -> NoReturn:
+def _clean_up_and_exit(folder: Path | None, code: int = 0) -> NoReturn:
     """End this process, and without namespaces all processes that it started; remove its folder."""
     try:
         if folder is not None:
             _end_descendants()
             shutil.rmtree(folder, ignore_errors=True)
     finally:
-        os._exit(0)
+        os._exit(code)
 
 
 def _end_after_parent(parent: int, folder: Path) -> None:

@@ -140,7 +140,7 @@ class IsolatedPlayers(Players):
         for seat, process in self._processes.items():
             if seat not in self._dropped:
                 process.read_log()
-        return {seat: process.log.text() for seat, process in self._processes.items()}
+        return super().logs() | {seat: process.log.text() for seat, process in self._processes.items()}
 
     def _greet(self, seats: Collection[int]) -> dict[int, _Reply]:
         """Start the agents of these seats, and return their answers to the greeting."""
@@ -196,7 +196,7 @@ class IsolatedPlayers(Players):
                         poll.unregister(file)
                 elif (received := process.read()) is not None:
                     poll.unregister(file)
-                    reply = _parse(doing, received, now - sent_at[seat])
+                    reply = _parse(doing, received, now - sent_at[seat], process)
                     in_time = now <= due.pop(seat) or reply.fault is not None
                     replies[seat] = reply if in_time else _Reply({}, reply.seconds, late)
             for seat in [seat for seat, end in due.items() if now > end]:
@@ -214,24 +214,26 @@ class IsolatedPlayers(Players):
                 call_at = now + _WAIT_S
         for seat, reply in replies.items():
             if reply.fault is ENDED:
-                self._end_of_process(seat)
-                replies[seat] = _Reply({}, reply.seconds, Fault("FORFEIT_CRASH", f"{doing}: {ENDED.reason}"))
+                why = self._end_of_process(seat)
+                replies[seat] = _Reply({}, reply.seconds, Fault("FORFEIT_CRASH", f"{doing}: {why}"))
         return replies
 
-    def _end_of_process(self, seat: int) -> None:
-        """End an agent whose process has ended before it answered.
+    def _end_of_process(self, seat: int) -> str:
+        """End an agent that closed its answers, and return in words how its process ended.
 
         Raises:
             MatchFailedError: if the process ended before it ran any code of the agent.
         """
         process = self._processes[seat]
+        code = process.exit_code()
         self.drop(seat)
         if not process.started:
             last = process.log.last_line() or "it printed nothing"
             raise MatchFailedError(f"the process of {self._entrants[seat].name} could not start: {last}")
+        return exit_reason(code, process.log)
 
 
-def _parse(doing: str, received: bytes | Fault, seconds: float) -> _Reply:
+def _parse(doing: str, received: bytes | Fault, seconds: float, process: AgentProcess) -> _Reply:
     """Return an agent's line as a reply; a line that is no JSON object, or that holds an error, is a fault."""
     if isinstance(received, Fault):
         return _Reply({}, seconds, received)
@@ -242,7 +244,9 @@ def _parse(doing: str, received: bytes | Fault, seconds: float) -> _Reply:
     if not isinstance(fields, dict):
         return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {excerpt(received)}"))
     if "ended" in fields:  # our program reports the end of the process that it forked for the match
-        return _Reply({}, seconds, Fault("FORFEIT_CRASH", f"{doing}: {exit_reason(fields['ended'])}"))
+        process.read_log()
+        why = exit_reason(fields["ended"], process.log)
+        return _Reply({}, seconds, Fault("FORFEIT_CRASH", f"{doing}: {why}"))
     if "error" in fields:
         why = fields["error"]
         return _Reply({}, seconds, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else shortened(why))))

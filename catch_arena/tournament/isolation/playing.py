@@ -75,7 +75,9 @@ def start_players(
     """
     seated = seated if isinstance(seated, Mapping) else dict(enumerate(seated))
     entrants = {seat: one for seat, one in seated.items() if isinstance(one, Entrant)}
-    cannot_play = {seat: Fault("FORFEIT_INIT", one.fault) for seat, one in entrants.items() if one.fault is not None}
+    cannot_play = {
+        seat: Fault("FORFEIT_INIT", one.fault, log=one.log) for seat, one in entrants.items() if one.fault is not None
+    }
     absent = cannot_play | dict(absent)
     isolated = {seat: one for seat, one in entrants.items() if seat not in absent and not is_shipped(one.spec)}
     if sandbox is None or not isolated:
@@ -111,7 +113,7 @@ def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
     """Return the player of each seat. Further seats of a team have different names: processes are kept by names."""
     playing = in_parties(config, entrants)
     return [
-        replace(playing[party], name=f"{playing[party].name} ({number + 1})") if number else playing[party]
+        replace(playing[party], name=f"{playing[party].name} ({number + 1})", log="") if number else playing[party]
         for party, number in Parties.of(config).places
     ]
 

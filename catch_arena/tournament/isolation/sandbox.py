@@ -23,14 +23,18 @@ from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.loading import module_folders
 from catch_arena.tournament.players import Fault
 
-ENDED: Final = Fault("FORFEIT_CRASH", "its process has ended")
-"""Fault of an agent whose process has ended instead of an answer; `AgentProcess.read` returns this object."""
+ENDED: Final = Fault("FORFEIT_CRASH", "it closed its answers")
+"""Fault of an agent that closed its answers, mostly because its process has ended; `AgentProcess.read` returns this
+object.
+"""
 _MOST_WAITING: Final = 16
 """Largest number of processes that wait for a next match; each holds its agent's modules in memory."""
 _END_S: Final = 2.0
 """Time for a process to end a match, or to end itself [s]."""
 _KIB: Final = 1024
 _MOST_CODES: Final = 256
+_ENDED_BY_SIGNAL: Final = 128
+"""Exit code of bubblewrap, less the number of the signal, if a signal ended the program that it started."""
 _MAIN: Final = (
     "import sys; words, package, *path = sys.argv[1:]; sys.path[:] = [package, *path]; "
     "from catch_arena.tournament.isolation.agent_program import main; del sys.path[0]; main(words)"
@@ -199,6 +203,13 @@ class AgentProcess:
         self.read_log()
         return line is not None and line.startswith(b'{"ended":')
 
+    def exit_code(self) -> int | None:
+        """Return the exit code of the process, below 0 for a signal; None if it does not end in time."""
+        with suppress(subprocess.TimeoutExpired):
+            self._process.wait(_END_S)
+        code = self._process.returncode
+        return _ENDED_BY_SIGNAL - code if self._namespaced and code and code > _ENDED_BY_SIGNAL else code
+
     def close(self) -> None:
         """Kill the process and all processes in its namespaces or in its group, and remove its folder."""
         if not self._namespaced and self._process.poll() is None:
@@ -275,14 +286,16 @@ class Sandbox:
             self._processes.popitem()[1].close()
 
 
-def exit_reason(code: Any) -> str:
-    """Return an exit code in words; a code below 0 is a signal."""
+def exit_reason(code: Any, log: Log) -> str:
+    """Return an exit code in words, and the last line of the log; a code below 0 is a signal."""
+    last = f'; its last line: "{line}"' if (line := log.last_line()) else ""
     if not isinstance(code, int) or not -signal.NSIG < code < _MOST_CODES:
-        return ENDED.reason
+        return f"{ENDED.reason}{last}"
     if code >= 0:
-        return f"its process exited with code {code}"
+        return f"its process exited with code {code}{last}"
     name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
-    return "its process used up its CPU time (cpu_s)" if name == "SIGXCPU" else f"its process was ended by {name}"
+    why = "its process used up its CPU time (cpu_s)" if name == "SIGXCPU" else f"its process was ended by {name}"
+    return f"{why}{last}"
 
 
 def excerpt(content: bytes) -> str:

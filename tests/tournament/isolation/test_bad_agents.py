@@ -48,6 +48,8 @@ AGENTS = {
     "hangs_at_import": source(before="import time\ntime.sleep(3600)\n"),
     "speaks_garbage": source(WRITES_TO_ALL % r"b'no JSON\n'", before=WRITES_BEFORE),
     "floods_the_answers": source(FLOODS, before=WRITES_BEFORE),
+    "says_goodbye": in_step_5("print('goodbye'); os._exit(3)", before="import os\n"),
+    "dies.sh": SHELL.replace("printf '%s'", "echo goodbye >&2; exit 3"),
     "answers_twice.sh": SHELL % r'{"action":0}\n{"action":0}\n',
     "is_illegal": source("return 99"),
     "hoards": in_step_5("self.hoard = bytearray(2 << 30)"),
@@ -106,6 +108,8 @@ def played(tmp_path):
     [
         ("crashes", {}, "FORFEIT_CRASH", 5, "act raised ZeroDivisionError: integer division or modulo by zero"),
         ("exits", {}, "FORFEIT_CRASH", 5, "act: its process exited with code 3"),
+        ("says_goodbye", {}, "FORFEIT_CRASH", 5, 'act: its process exited with code 3; its last line: "goodbye"'),
+        ("dies.sh", {}, "FORFEIT_CRASH", 1, 'act: its process exited with code 3; its last line: "goodbye"'),
         ("closes_its_answers", {}, "FORFEIT_CRASH", 1, "act: its process exited with code 1"),
         (
             "hangs",
@@ -125,7 +129,7 @@ def played(tmp_path):
         ("maps", {}, "FORFEIT_CRASH", 5, "act raised OSError: .*Cannot allocate memory"),
         ("opens_files", {}, "FORFEIT_CRASH", 5, "act raised OSError: .*Too many open files"),
         ("writes_much", {}, "FORFEIT_CRASH", 5, "act raised OSError: .*File too large"),
-        ("kills_its_parent", {}, "FORFEIT_CRASH", 1, "act: its process has ended"),
+        ("kills_its_parent", {}, "FORFEIT_CRASH", 1, "act: its process was ended by SIGKILL"),
     ],
 )
 def test_it_forfeits_with_its_code_comes_last_and_the_other_plays_on(
@@ -203,6 +207,37 @@ def test_a_match_ends_when_all_have_forfeited(sandbox, played, trusted):
     result = played(None if trusted else sandbox, "crashes", "is_illegal")
     assert result.forfeit_codes == ("FORFEIT_CRASH", "FORFEIT_ILLEGAL")
     assert (result.steps, result.ranks) == (5, (1, 2))
+
+
+EXITS = "import os\nos.write(2, b'hello\\nlast line\\n')\nos._exit(7)\n"
+
+
+@pytest.mark.parametrize(
+    ("source", "reason"),
+    [
+        (EXITS, 'init: its process exited with code 7; its last line: "last line"'),
+        ("import ctypes\nctypes.string_at(0)\n", "init: its process was ended by SIGSEGV"),
+        ("raise KeyboardInterrupt\n", 'init: its process exited with code 1; its last line: "KeyboardInterrupt"'),
+        (
+            "class Agent:\n    def __init__(self): raise KeyboardInterrupt\n",
+            'init: its process exited with code 1; its last line: "KeyboardInterrupt"',
+        ),
+        ("import os, time\nos.closerange(3, 64)\ntime.sleep(600)\n", "init: it closed its answers"),
+        ("cmd:sh -c 'echo last line >&2; exit 3'", 'init: its process exited with code 3; its last line: "last line"'),
+        ("cmd:sh -c 'kill -6 $$'", "init: its process was ended by SIGABRT"),
+    ],
+)
+def test_one_that_ends_before_its_first_answer_is_told_how_and_its_output_is_kept(sandbox, tmp_path, source, reason):
+    path = tmp_path / "mine.py"
+    path.write_text(source)
+    entrants = enter([source if source.startswith("cmd:") else str(path), "idle"], inspector(sandbox))
+    assert entrants[0].fault == reason
+    with start_players(entrants, sandbox) as players:
+        result = play_match(SHORT, 1, players, ["mine", "idle"])
+    assert result.forfeits[0].reason == reason
+    _, _, last_line = reason.partition("its last line: ")
+    assert result.logs[0].endswith(last_line.strip('"'))
+    assert result.logs[0].startswith("hello\n") == (source is EXITS)
 
 
 @pytest.mark.parametrize(
