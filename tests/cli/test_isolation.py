@@ -1,6 +1,8 @@
 """Each command prints its level of isolation, refuses one that does not work, and hides its own files."""
 
 import json
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -72,6 +74,21 @@ def test_a_level_that_cannot_be_held_is_refused_before_anything_is_written(catch
     assert sorted(tmp_path.iterdir()) == before
     stderr = unfolded(catch_arena("match", "mine.py", "idle", *QUICK).stderr)
     assert stderr.startswith(level_line("processes"))
+
+
+@pytest.mark.skipif(not NAMESPACES, reason="bubblewrap hides /proc")
+def test_processes_hold_on_a_machine_that_shows_no_proc(tmp_path):
+    hidden = ["bwrap", "--bind", "/", "/", "--dev", "/dev", "--tmpfs", "/proc"]
+    words = ["match", "mine.py", "idle", *QUICK, "--limit", "isolation=processes"]
+    played = subprocess.run(
+        [*hidden, sys.executable, "-m", "catch_arena", *words],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert played.returncode == 0, played.stderr
+    assert "FORFEIT" not in played.stdout
 
 
 @pytest.mark.parametrize("level", NAMESPACES)

@@ -192,7 +192,8 @@ def _confine(quotas: Quotas, *, namespaced: bool) -> None:
         Path("/proc/self/oom_score_adj").write_text("1000")
     _prctl(_SET_CHILD_SUBREAPER, 1)
     if LINUX:  # this limit does not apply to root
-        _limit(resource.RLIMIT_NPROC, quotas.processes if namespaced else quotas.processes + _tasks())
+        with suppress(OSError):  # without /proc the number of tasks is unknown, and there is no limit
+            _limit(resource.RLIMIT_NPROC, quotas.processes if namespaced else quotas.processes + _tasks())
     _limit(resource.RLIMIT_DATA, quotas.memory_mib * _MIB)
     _limit(resource.RLIMIT_AS, _ADDRESSES * quotas.memory_mib * _MIB)
     _limit(resource.RLIMIT_NOFILE, quotas.open_files)
@@ -212,7 +213,11 @@ def _limit(kind: int, amount: int, spare: int = 0) -> None:
 
 
 def _tasks() -> int:
-    """Return the number of processes and threads on this machine, an upper bound for those of the user."""
+    """Return the number of processes and threads on this machine, an upper bound for those of the user.
+
+    Raises:
+        OSError: if the machine shows no /proc.
+    """
     return int(Path("/proc/loadavg").read_text().split()[3].partition("/")[2])
 
 
