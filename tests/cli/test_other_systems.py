@@ -43,7 +43,7 @@ def run(folder, *words):
     [
         ["match", "nearest", "idle", *QUICK],
         ["match", "mine.py", "idle", *QUICK, "--trusted", "--force", "-o", "m.replay"],
-        ["tournament", "nearest", "idle", *QUICK, "--rounds", "1", "--jobs", "1", "--out", "o"],
+        ["tournament", "nearest", "idle", *QUICK, "--rounds", "1", "--out", "o"],
         ["report", "o"],
         ["export", "o", "-o", "m.jsonl"],
         ["compare", "nearest", "idle", *QUICK, "--jobs", "1", "--max-blocks", "1"],

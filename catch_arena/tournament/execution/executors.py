@@ -142,7 +142,7 @@ def _run_here(work: Callable[..., _Result], arguments: Sequence[Any]) -> _Result
 @contextmanager
 def _signals_held() -> Iterator[None]:
     """Block Ctrl-C: a process that starts meanwhile blocks it too, until `_begin_process` ignores it."""
-    if os.name != "posix":
+    if not hasattr(signal, "pthread_sigmask"):
         yield
         return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -156,7 +156,7 @@ def _begin_process() -> None:
     """Ignore Ctrl-C, which the parent process handles, and end when the parent ends for any reason."""
     outlive_readers()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if os.name == "posix":
+    if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
 
     def end_with_parent() -> None:
