@@ -191,7 +191,7 @@ def _resolve_command(spec: str) -> AgentSpec:
     except ValueError as error:
         raise AgentError(f"{spec}: must be a command as a shell takes it: {error}") from None
     if not words:
-        raise AgentError(f"{spec}: must name a command, as in {COMMAND}./my_bot")
+        raise AgentError(f"{COMMAND} must name a command, as in {COMMAND}./my_bot")
     named = {word: Path(os.path.abspath(path)) for word in words if (path := Path(word).expanduser()).exists()}  # noqa: PTH100
     files = {word: path for word, path in named.items() if path.is_file()}
     program, *arguments = [str(named.get(word, word)) for word in words]
@@ -199,7 +199,9 @@ def _resolve_command(spec: str) -> AgentSpec:
         _require_program(words[0], files[words[0]])
     found = shutil.which(program)
     if found is None:
-        raise AgentError(f"{spec}: {words[0]} is no program that can be run")
+        is_path = os.sep in program
+        why = "is no program" if words[0] in named else "no such file" if is_path else "is not found in PATH"
+        raise AgentError(f"{words[0]}: {why}")
     contents = (_digest_of_folder(path) if path.is_dir() else path.read_bytes() for path in named.values())
     content = b"\0".join([*(word.encode() for word in words if word not in named), *contents])
     path = next(iter(files.values()), Path(Path(program).name))

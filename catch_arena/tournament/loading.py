@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Final
 
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
-from catch_arena.files import wide_text_fault
+from catch_arena.files import encoding_fault, wide_text_fault
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.tournament.agent_spec import (
     COMMAND,
@@ -128,6 +128,20 @@ def module_folders() -> list[str]:
     return [str(Path(entry).absolute()) for entry in sys.path[here:] if entry]
 
 
+def missing_module(spec: str) -> str | None:
+    """Return an error text for `module:Class` if a file of the working folder has the name of that module, and no such
+    module is installed; None for all other specs.
+    """
+    module = spec.partition(":")[0]
+    file = Path(f"{module.replace('.', os.sep)}.py")
+    if spec.startswith(COMMAND) or file_of(spec) is not None or not file.is_file():
+        return None
+    with _process_restored():
+        if importlib.util.find_spec(module.partition(".")[0]) is not None:
+            return None
+    return f"no module {module} is installed; a file is given as {file}"
+
+
 def load_module(name: str) -> ModuleType:
     """Return the installed module with a dotted name.
 
@@ -161,7 +175,8 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
             spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         del sys.modules[name]
-        fault = wide_text_fault(content_of(str(path)) or b"")
+        content = content_of(str(path)) or b""
+        fault = encoding_fault(content) if isinstance(error, SyntaxError) else wide_text_fault(content)
         why = fault or _why_not_imported(error, path.stem, path.parent if folder is None else None)
         raise AgentError(f"{path}: {why}") from error
     return module

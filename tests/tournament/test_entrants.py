@@ -129,9 +129,13 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
         ),
         ("cmd:./lacks_env.sh", "its first line names the interpreter 'no_such_program', which is not installed here"),
         ("cmd:./plain.sh", "./plain.sh: must be executable: chmod"),
-        ("cmd:", "must name a command"),
+        ("cmd:", r"^cmd: must name a command, as in cmd:\./my_bot$"),
         ("cmd:'open", "No closing quotation"),
-        ("cmd:no_such_program --x", "no_such_program is no program that can be run"),
+        ("cmd:no_such_program --x", "^no_such_program: is not found in PATH$"),
+        ("cmd:./no_such.sh --x", r"^\./no_such\.sh: no such file$"),
+        ("cmd:./empty", r"^\./empty: is no program$"),
+        ("latin.py", r"/latin\.py: is not UTF-8: save it as UTF-8$"),
+        ("helpers:Agent", r"^helpers:Agent: no module helpers is installed; a file is given as helpers\.py$"),
     ],
 )
 def test_a_word_that_stands_for_nothing_is_explained(tmp_path, monkeypatch, spec, reason):
@@ -144,12 +148,13 @@ def test_a_word_that_stands_for_nothing_is_explained(tmp_path, monkeypatch, spec
         "agent.txt": HOLDS,
         "neighbours.py": "from helpers import chase\n",
         "helpers.py": "def chase(): pass\n",
+        "latin.py": f"name = 'Zoë'\n{HOLDS}",
         "plain.sh": "#!/bin/sh\n",
         "dos.sh": "#!/bin/sh\r\necho\r\n",
         "lacks.sh": "#!/no/such/sh\n",
         "lacks_env.sh": "#!/usr/bin/env no_such_program\n",
     }.items():
-        (tmp_path / name).write_bytes(content.encode())
+        (tmp_path / name).write_bytes(content.encode("latin-1"))
         (tmp_path / name).chmod(0o644 if name == "plain.sh" else 0o755)
     (tmp_path / "empty").mkdir()
     (tmp_path / "loop.py").symlink_to("loop.py")
@@ -199,7 +204,7 @@ def test_a_module_in_the_starting_folder_is_not_found(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "path", [str(tmp_path), *sys.path])  # as `python -m` does
     (tmp_path / "only_here.py").write_text(HOLDS)
-    with pytest.raises(AgentError, match="ModuleNotFoundError"):
+    with pytest.raises(AgentError, match=r"no module only_here is installed; a file is given as only_here\.py"):
         enter(["only_here:Agent"])
     (tmp_path / "mine.py").write_text(f"import only_here\n{HOLDS}")
     with pytest.raises(AgentError, match="it imports only_here, which is next to it"):

@@ -8,6 +8,7 @@ program, and speaks the protocol itself.
 """
 
 import ctypes
+import errno
 import gc
 import importlib
 import json
@@ -170,7 +171,9 @@ def _become_command(command: list[str], into: int, out: int) -> NoReturn:
     try:
         os.execv(command[0], command)  # noqa: S606 - no shell is wanted
     except OSError as error:
-        os.write(1, protocol.line(error=f"{command[0]}: cannot be started: {error.strerror}"))
+        hint = "; a script's first line must name its interpreter, such as #!/bin/sh"
+        why = f"{error.strerror}{hint if error.errno == errno.ENOEXEC else ''}"
+        os.write(1, protocol.line(error=f"{command[0]}: cannot be started: {why}"))
     os._exit(1)
 
 

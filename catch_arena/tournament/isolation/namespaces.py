@@ -75,10 +75,8 @@ def level_line(level: Level) -> str:
     """Return a line for users with the level of isolation, and a warning if it is only processes."""
     if level == "namespaces":
         return "isolation: namespaces"
-    return (
-        "isolation: processes, which does not stop a hostile agent: "
-        f"{namespaces_fault() or 'leave isolation=processes out'} (`catch-arena docs isolation`)"
-    )
+    why = namespaces_fault() or "namespaces would; --limit isolation=processes chose this level"
+    return f"isolation: processes, which does not stop a hostile agent: {why} (`catch-arena docs isolation`)"
 
 
 def bubblewrap_command(visible: Iterable[Path], writable_bytes: int) -> list[str]:

@@ -131,7 +131,9 @@ class AgentProcess:
         except OSError as error:
             for file in (file for pipe in pipes for file in pipe):
                 os.close(file)
-            raise MatchFailedError(f"an agent's process cannot be started: {error}") from None
+            lacks_folder = "temporary directory" in str(error)
+            why = f"{error.strerror}: set TMPDIR to a writable folder" if lacks_folder else error
+            raise MatchFailedError(f"an agent's process cannot be started: {why}") from None
         for file in (into, out, log):
             os.close(file)
         for file in (self._line_pipe, self.answer_pipe, self.log_pipe):

@@ -4,7 +4,7 @@ import os
 import stat
 
 import pytest
-from isolation_levels import LEVELS
+from isolation_levels import LEVELS, NAMESPACES
 
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.isolation import namespaces
@@ -78,4 +78,12 @@ def test_one_line_says_what_processes_do_not_stop_and_what_to_install(bubblewrap
     assert level_line("processes") == (
         "isolation: processes, which does not stop a hostile agent: bubblewrap is not installed: apt-get install "
         "bubblewrap, or your system's package of that name (`catch-arena docs isolation`)"
+    )
+
+
+@pytest.mark.skipif(not NAMESPACES, reason="without bubblewrap the line says what to install")
+def test_one_line_says_that_a_lower_level_was_chosen():
+    assert level_line("processes") == (
+        "isolation: processes, which does not stop a hostile agent: namespaces would; "
+        "--limit isolation=processes chose this level (`catch-arena docs isolation`)"
     )

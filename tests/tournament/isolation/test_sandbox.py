@@ -94,7 +94,8 @@ def test_a_file_that_no_system_can_start_is_a_fault(sandbox, tmp_path):
     program.write_text("no program\n")
     program.chmod(0o755)
     (entrant,) = enter([f"cmd:{program}"], inspector(sandbox))
-    assert "bot: cannot be started: Exec format error" in entrant.fault
+    hint = "a script's first line must name its interpreter, such as #!/bin/sh"
+    assert entrant.fault.endswith(f"bot: cannot be started: Exec format error; {hint}")
 
 
 def test_an_agent_is_told_its_own_seed_and_the_arenas_limits(sandbox, tmp_path):
@@ -157,9 +158,11 @@ def test_without_a_folder_for_temporary_files_nothing_begins_and_no_agent_is_bla
     monkeypatch.setattr("catch_arena.tournament.isolation.sandbox.tempfile.TemporaryDirectory", nowhere)
     with (
         Sandbox(Quotas(isolation="processes")) as sandbox,
-        pytest.raises(MatchFailedError, match=r"an agent's process cannot be started: .*No usable temporary directory"),
+        pytest.raises(MatchFailedError) as raised,
     ):
         enter([alone("nearest")], inspector(sandbox))
+    why = "No usable temporary directory found: set TMPDIR to a writable folder"
+    assert str(raised.value) == f"an agent's process cannot be started: {why}"
 
 
 def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, tmp_path, monkeypatch):
