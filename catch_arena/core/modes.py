@@ -6,11 +6,10 @@ from typing import Any, Final
 
 import numba
 
-numba_settings: Any = numba.config
-"""Numba's settings; the module fills itself at run time, so that type checkers see none of them."""
-INTERPRETED: Final = bool(numba_settings.DISABLE_JIT)
+_settings: Any = numba.config  # it fills itself at run time, so that type checkers see none of its settings
+INTERPRETED: Final = bool(_settings.DISABLE_JIT)
 """True with NUMBA_DISABLE_JIT=1: the core runs as plain Python, for debuggers, coverage and comparisons."""
-CHECKED: Final = bool(numba_settings.BOUNDSCHECK)
+CHECKED: Final = bool(_settings.BOUNDSCHECK)
 """True with NUMBA_BOUNDSCHECK=1: compiled code tests each index."""
 
 

@@ -9,6 +9,7 @@ import re
 import shutil
 import subprocess
 import sys
+import tempfile
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -16,7 +17,7 @@ import numba
 import numpy as np
 import pytest
 
-from catch_arena.core import cache
+from catch_arena.core import cache, cache_folder
 from catch_arena.core.jit import entry
 from catch_arena.core.modes import INTERPRETED
 
@@ -24,7 +25,7 @@ ROOT = Path(__file__).parents[2]
 BEYOND = """
 import numpy as np
 from catch_arena.core.addresses import by_address
-from catch_arena.core.cache import CACHE_DIRECTORY
+from catch_arena.core.cache_folder import CACHE_DIRECTORY
 from catch_arena.core.jit import entry, phase
 
 @phase
@@ -80,13 +81,13 @@ def test_the_rules_are_compiled_where_nothing_can_be_kept(tmp_path):
 def test_compiled_code_is_kept_in_a_folder_for_each_state_of_the_sources(tmp_path, monkeypatch):
     """The folder is the same every time; the folders that were used last stay too, though the clock may jump."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
-    others = [tmp_path / f"core-{number:016x}" for number in range(cache._MOST_KEPT + 4)]
+    others = [tmp_path / f"core-{number:016x}" for number in range(cache_folder._MOST_KEPT + 4)]
     (tmp_path / "mine").mkdir()
     for used, folder in enumerate(others):
         folder.mkdir()
         os.utime(folder, (used, used))
-    folder = cache._cache_directory()
-    assert folder == cache._cache_directory()
+    folder = cache_folder._cache_directory()
+    assert folder == cache_folder._cache_directory()
     assert folder.parent == tmp_path
     assert sorted(tmp_path.iterdir()) == sorted([folder, *others[5:], tmp_path / "mine"])
 
@@ -97,7 +98,7 @@ def test_an_edit_in_any_file_that_the_core_reads_makes_another_folder(tmp_path, 
     shutil.copytree(ROOT / "catch_arena" / "core", package / "core", ignore=shutil.ignore_patterns("__pycache__"))
     for source in (ROOT / "catch_arena").glob("*.py"):
         shutil.copy(source, package)
-    monkeypatch.setattr(cache, "__file__", str(package / "core" / "cache.py"))
+    monkeypatch.setattr(cache_folder, "__file__", str(package / "core" / "cache_folder.py"))
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "cache"))
     core = sorted((package / "core").glob("*.py"))
     imports = {
@@ -109,11 +110,11 @@ def test_an_edit_in_any_file_that_the_core_reads_makes_another_folder(tmp_path, 
     outside = sorted(re.findall(r"catch_arena\.(?!core)(\w+)", " ".join(imports)))
     assert "layout" in outside
     read = [*core, *(package / f"{module}.py" for module in outside)]
-    folders = {cache._cache_directory()}
+    folders = {cache_folder._cache_directory()}
     for source in read:
         with source.open("a", encoding="utf-8") as edited:
             edited.write("# edited\n")
-        folders.add(cache._cache_directory())
+        folders.add(cache_folder._cache_directory())
     assert len(folders) == 1 + len(read)
 
 
@@ -121,7 +122,17 @@ def test_nothing_is_kept_in_a_folder_of_somebody_else(tmp_path, monkeypatch):
     """The folder can be read, but not written."""
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
     monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
-    assert cache._cache_directory() is None
+    assert cache_folder._cache_directory() is None
+
+
+def test_code_in_a_folder_that_can_only_be_read_is_used(tmp_path, monkeypatch):
+    """As in the image of a container."""
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path))
+    folder = cache_folder._cache_directory()
+    (folder / "core").mkdir()
+    (folder / "core" / "run.nbi").touch()
+    monkeypatch.setattr(os, "access", lambda _, mode: mode != os.W_OK)
+    assert cache_folder._cache_directory() == folder
 
 
 @pytest.fixture
@@ -135,8 +146,8 @@ def without_a_home(tmp_path, monkeypatch):
 
 
 def test_without_a_home_that_can_be_written_it_is_kept_among_temporary_files(without_a_home):
-    folder = cache._cache_directory()
-    assert folder == cache._cache_directory()
+    folder = cache_folder._cache_directory()
+    assert folder == cache_folder._cache_directory()
     assert folder.parent == without_a_home / f"catch-arena-{os.getuid()}"
     assert folder.parent.stat().st_mode & 0o777 == 0o700
 
@@ -148,7 +159,7 @@ def test_without_a_home_that_can_be_written_it_is_kept_among_temporary_files(wit
 def test_it_is_not_kept_where_somebody_else_could_have_put_code(without_a_home, prepare):
     """Compiled code that is loaded runs as this user."""
     prepare(without_a_home / f"catch-arena-{os.getuid()}")
-    assert cache._cache_directory() is None
+    assert cache_folder._cache_directory() is None
 
 
 def test_a_disk_without_room_for_it_is_told_and_the_rules_run(tmp_path):
@@ -188,6 +199,17 @@ def test_a_thread_other_than_the_main_one_can_compile_and_keep(hits):
     """Such as that of a server; only the main thread may handle signals."""
     with ThreadPoolExecutor(1) as pool:
         assert [pool.submit(hits, [1.5, 2.0]).result() for _ in range(2)] == [False, True]
+
+
+@pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
+def test_kept_code_is_read_without_writing_anything(hits, monkeypatch):
+    assert not hits([1.5, 2.0])
+
+    def refuse(*_, **__):
+        raise OSError
+
+    monkeypatch.setattr(tempfile, "TemporaryFile", refuse)  # with which Numba tries whether a folder can be written
+    assert hits([1.5, 2.0])
 
 
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
