@@ -20,7 +20,6 @@ from catch_arena.core.state import (
     RANKS_PER_WORD,
     SCORE,
     SINE,
-    SPEED,
     TARGET_X,
     TARGET_Y,
     WITHDRAWN,
@@ -237,15 +236,6 @@ def has_more_catches(one: Rows, other: Rows, lane: int, listed_first: bool) -> b
 
 
 @rule
-def have_same_position(one: Rows, other: Rows, lane: int) -> bool:
-    """Return whether two bodies are in one place and move alike: then they look alike to every observer."""
-    in_one_place = (one[X + lane] == other[X + lane]) & (one[Y + lane] == other[Y + lane])
-    head_alike = (one[SINE + lane] == other[SINE + lane]) & (one[COSINE + lane] == other[COSINE + lane])
-    together: bool = in_one_place & head_alike & (one[SPEED + lane] == other[SPEED + lane])
-    return together
-
-
-@rule
 def any_tied(keys: Keys, ranks: int, lane: int) -> bool:
     """R7.1, R12.4: return for each lane whether two seen bodies, or the last one and the next, are equally far.
 
@@ -308,9 +298,7 @@ def sort_ties(
                     break
                 one, other = item_of(key), item_of(before)
                 newer, older = body_in(bodies, one), body_in(bodies, other)
-                difference = 0.0
-                if not have_same_position(newer, older, lane):  # so do most ties late in an episode
-                    difference = lead(me, newer, older, lane)
+                difference = lead(me, newer, older, lane)
                 goes_first = difference > 0.0
                 if difference == 0.0 and bodies.are_rivals:
                     goes_first = has_more_catches(
