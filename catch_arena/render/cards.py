@@ -68,9 +68,8 @@ def goal(info: MatchInfo) -> list[str]:
     seconds = f"{info.duration_ms / 1000:g} s"
     if len(info.contenders) == 1:
         return [f"Catch as many {what} as possible in {seconds}."]
-    whose = "team" if info.has_teams else "hunter"
-    rule = "the first in the queue" if info.by_lot else "the nearest hunter"
-    return [f"The {whose} that catches the most {what} in {seconds} wins.", f"Of two at the same time, {rule} gets it."]
+    rule = "the first in the queue" if info.by_lot else "the nearest"
+    return [f"Most {what} caught in {seconds} wins.", f"Of two at the same time, {rule} gets it."]
 
 
 def _members(info: MatchInfo, team: Contender) -> str:

@@ -131,7 +131,7 @@ def arrange(size: tuple[int, int], layout: Layout, agents: int, teams: int = 0) 
     if shape == "landscape":
         side = round(ARENA_PART * width)
         unit = min(height / 720.0, (width - side) / 486.0)
-        gap, top = round(20 * unit), round(48 * unit)
+        gap, top = round(20 * unit), round(max(30.0, 48 * unit))
         header = Rect(side + gap, gap, width - side - 2 * gap, top)
         below = gap + top + round(14 * unit)
         cards = _cards(header._replace(top=below, height=height - below - gap), unit, agents, teams)

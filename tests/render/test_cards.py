@@ -9,6 +9,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.render import cards, hud
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Label
+from catch_arena.render.text import text_width
 from catch_arena.render.video import render_replay
 
 SMALL = {"size": (480, 320), "fps": 10}
@@ -53,6 +54,18 @@ def test_cards_stay_inside_and_no_text_covers_another(size, hunters):
     for shapes in (cards.title_shapes(size, info), cards.podium_shapes(size, info, range(hunters), prey)):
         assert_inside(kinds(shapes, Label), hud.Rect(0, 0, *size))
         assert_texts_apart(shapes)
+
+
+@pytest.mark.parametrize("area", [(794, 720), (397, 360), (1080, 1080)])
+@pytest.mark.parametrize("settings", [{}, {"prey": 2, "spawn_frequency_hz": 0.0}, {"teams": ((0, 1), (2, 3))}])
+def test_the_title_tells_the_goal_whole(area, settings):
+    """In the arena of a video, of a GIF and of a phone's picture."""
+    info = MatchInfo.of(ArenaConfig(**settings), ["a"] * (4 + settings.get("prey", 0)), duration_ms=60_000)
+    goal = cards.goal(info)
+    labels = {label.text: label for label in kinds(cards.title_shapes(area, info), Label)}
+    for text in goal:
+        label = labels[text]
+        assert text_width(text, label.size, label.weight) <= label.max_width
 
 
 @pytest.mark.parametrize(
