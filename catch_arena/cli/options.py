@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Literal
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
 
 import typer
 
@@ -23,21 +23,12 @@ if TYPE_CHECKING:
     from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
 
-Agents = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="AGENT...",
-        help="Name of a shipped agent (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, "
-        "a folder that contains agent.py, or cmd:COMMAND (see `catch-arena docs isolation`).",
-    ),
-]
-Agent = Annotated[
-    str,
-    typer.Argument(
-        metavar="AGENT",
-        help="Name of a shipped agent, package.module:Class, a .py file with a class Agent, or cmd:COMMAND.",
-    ),
-]
+_AGENT: Final = (
+    "Name of a shipped agent (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, a folder "
+    "that contains agent.py, or cmd:COMMAND (see `catch-arena docs isolation`)."
+)
+Agents = Annotated[list[str], typer.Argument(metavar="AGENT...", help=_AGENT)]
+Agent = Annotated[str, typer.Argument(metavar="AGENT", help=_AGENT)]
 Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
 Scenario = Annotated[str, typer.Option("--scenario", "-s", help="Scenario to play (see `catch-arena scenarios`).")]
 SettingOption = Annotated[

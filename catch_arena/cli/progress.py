@@ -43,8 +43,8 @@ def progress_bar(description: str, total: int | None = None, *, late: bool = Fal
                 bar.start()
         elif now - last_line_s >= _LINE_EVERY_S:
             last_line_s = now
-            left = (now - began_s) * (total - done) / max(done, 1)
-            line = f"{doing}: {done} of {total}, {now - began_s:.0f} s, about {left:.0f} s left"
+            left = f", about {(now - began_s) * (total - done) / done:.0f} s left" if done else ""
+            line = f"{doing}: {done} of {total}, {now - began_s:.0f} s{left}"
             console.print(line, soft_wrap=True)
 
     try:

@@ -70,8 +70,9 @@ class VectorArena:
       `times_caught`, (B, P). Rows of other arenas keep the values of their last episode. All but `_final_obs` and
       `final_mask` are float32.
 
-    All returned arrays lie in buffers that the next call overwrites; `copy=True` returns separate arrays. A step
-    allocates no memory, unless actions have other types than int64 and float32.
+    All returned arrays lie in buffers that the next call overwrites: do not write into them, since the zeros that fill
+    shorter observations are written only once. `copy=True` returns separate arrays. A step allocates no memory, unless
+    actions have other types than int64 and float32.
 
     Args:
         scenario: name of a scenario, or a config.
