@@ -68,15 +68,6 @@ def wide_text_fault(content: bytes) -> str | None:
     return None
 
 
-def encoding_fault(content: bytes) -> str | None:
-    """Return an error text for text in another encoding than UTF-8; None for text in UTF-8."""
-    try:
-        content.decode()
-    except UnicodeDecodeError:
-        return wide_text_fault(content) or "is not UTF-8: save it as UTF-8"
-    return wide_text_fault(content)
-
-
 def is_loop(path: Path) -> bool:
     """Return whether a path is a link that leads to itself, directly or through other links."""
     return Path(os.path.realpath(path)).is_symlink()

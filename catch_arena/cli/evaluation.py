@@ -68,6 +68,8 @@ def compare(
         raise ConfigError(
             f"number of agents must be 2, A and B, got {len(agents)}; give their opponents with --against"
         )
+    if not elo0 < elo1:
+        raise ConfigError(f"--elo1 must be above --elo0, got {elo1:g} and {elo0:g}")
     test = Sprt(share_of_elo(elo0), share_of_elo(elo1))
     entrants = enter_agents([*agents, *(against or ())], quotas)
     print_missing_prey(entrants, config)

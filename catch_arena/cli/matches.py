@@ -173,10 +173,7 @@ def _plan(
         most = MOST_IN_A_ROUND if max_matches is None else max_matches
         plan = plan_of(form, len(entrants), parties, rounds, secret, most)
         if max_matches is not None and (a_round := plan.size // int(plan.parameters["rounds"])) > max_matches:
-            raise ConfigError(
-                f"--max-matches must be at least {a_round}, for a sample in which all agents play equally often and "
-                f"meet, got {max_matches}"
-            )
+            raise ConfigError(f"--max-matches must be at least {a_round}, the matches of one round, got {max_matches}")
         return plan
     budget = BUDGET if max_matches is None else max_matches
     return UntilSeparated(

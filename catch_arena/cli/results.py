@@ -26,6 +26,9 @@ def report(
     budget: Annotated[
         float | None, typer.Option(metavar="MB", help="Maximum size of the replays in the page.", show_default="1")
     ] = None,
+    match: Annotated[
+        list[str] | None, typer.Option(metavar="ID", help="A recorded match to include in the page; may be repeated.")
+    ] = None,
     watch: Annotated[
         bool,
         typer.Option(
@@ -38,8 +41,8 @@ def report(
     if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
         raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
     if watch:
-        if budget is not None or output is not None:
-            raise ConfigError("--budget and --output must be left out with --watch, which shows every replay")
+        if budget is not None or match or output is not None:
+            raise ConfigError("--budget, --match and --output must be left out with --watch, which shows every replay")
         from catch_arena.report.watch import LiveReport, serve
 
         live = LiveReport(folder)
@@ -52,7 +55,7 @@ def report(
     if output is not None:
         output_file(output, PAGE, force=force)
     size = BUDGET if budget is None else round(1e6 * budget)
-    echo(f"report: {write_report(folder, budget=size, output=output)}")
+    echo(f"report: {write_report(folder, budget=size, matches=match or (), output=output)}")
 
 
 @main.command()

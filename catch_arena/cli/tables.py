@@ -121,9 +121,7 @@ def _number_range(low: int, high: int) -> str:
 
 def duration(seconds: float) -> str:
     """Return a duration in words: seconds, or hours, minutes and seconds."""
-    if seconds < 0.05:
-        return "less than 0.1 s"
-    return f"{seconds:.1f} s" if seconds < 60 else str(timedelta(seconds=round(seconds)))
+    return f"{max(seconds, 0.1):.1f} s" if seconds < 60 else str(timedelta(seconds=round(seconds)))
 
 
 def interval(estimate: Estimate, form: str, scale: int = 1) -> str:

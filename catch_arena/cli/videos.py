@@ -120,7 +120,7 @@ def render(
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
-    part: dict[str, Any] = {"start_s": start, "end_s": end, "view_of": view_of, "layout": layout, "speed": speed}
+    part: dict[str, Any] = {"start_s": start, "end_s": end, "view_of": view_of}
     usual = replay.with_suffix(".mp4")
     if what_if is not None:
         usual = replay.with_name(f"{replay.stem}-what-if-{what_if:g}s.mp4")
@@ -132,7 +132,8 @@ def render(
         raise ConfigError("--hunter needs --what-if, the time of a contest that this hunter lost")
     target = output or usual
     paged = target.suffix.lower() == PAGE
-    if paged and (picture, *part.values()) != (Picture(), None, None, None, "broadcast", 1.0):
+    is_usual = (picture, layout, speed, start, end, view_of) == (Picture(), "broadcast", 1.0, None, None, None)
+    if paged and not is_usual:
         raise ConfigError(f"{target}: options of a video must be left out for a page, whose player has controls")
     drawn = picture.arguments()
     output_file(target, *VIDEO, PAGE, force=force)
@@ -142,7 +143,7 @@ def render(
             part["what_if"] = explanation.what_if(recorded, contest, hunter, show)
         echo(part["what_if"].sentence)
     if not paged:
-        _write_video(recorded, replay, target, **part, **drawn)
+        _write_video(recorded, replay, target, **part, **drawn, layout=layout, speed=speed)
         return
     from catch_arena.player import player_page
 

@@ -4,6 +4,7 @@ import dataclasses
 import itertools
 import random
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import Final
 
 from msgspec.structs import replace
@@ -32,28 +33,23 @@ class ArbiterRunner:
 
     def __init__(self, arbiter: Arbiter, case: ArbiterCase, strictness: Strictness) -> None:
         self._arbiter = arbiter
-        self._case = self._judged = case
+        self._case = case
         self._strictness = strictness
+        self._wrong_evidence: tuple[str, DiffersError] | None = None
+        """The first variation in which only evidence is wrong: it must not hide a wrong verdict in a later one."""
         self.variation = ""
         """Description of the variant that is being played; "" for the unchanged case."""
 
     def run(self) -> None:
-        """Play the case unchanged, and in every variant of it: first for the verdicts, and then for the evidence too.
+        """Play the case unchanged, and in every variant of it.
 
         Raises:
-            DiffersError: at the first variant whose answer is wrong.
+            DiffersError: at the first variant whose verdicts are wrong, else for the first whose evidence is.
         """
-        strictness = self._strictness
-        if strictness.evidence:  # else missing evidence would hide a wrong verdict in a later variant
-            self._strictness = dataclasses.replace(strictness, evidence=False)
-            try:
-                self._play(self._case)
-            except DiffersError:
-                self._strictness = strictness
-                self._judge(self.variation, self._judged)  # once more, with the evidence in words
-                raise
-        self._strictness = strictness
         self._play(self._case)
+        if self._wrong_evidence is not None:
+            self.variation, error = self._wrong_evidence
+            raise error
 
     def _play(self, case: ArbiterCase) -> None:
         decided = _with_lots_decided(case, self._judge("", case))
@@ -65,16 +61,17 @@ class ArbiterRunner:
             self._judge("under the policy nearest", replace(case, policy="nearest", expected=case.under_nearest))
 
     def _judge(self, variation: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
-        self.variation, self._judged = variation, case
+        self.variation = variation
         arguments = case.arguments()
         given = request_rulings(lambda: self._arbiter(**arguments), case.expected)
-        return compare(
-            given,
-            case.expected,
-            lots=case.lots,
-            refused=case.kill_refused,
-            strictness=self._strictness,
-        )
+        compared = partial(compare, given, case.expected, lots=case.lots, refused=case.kill_refused)
+        try:
+            return compared(strictness=self._strictness)
+        except DiffersError as error:
+            if any(difference.kind != "evidence" for difference in error.differences):
+                raise
+            self._wrong_evidence = self._wrong_evidence or (variation, error)
+        return compared(strictness=dataclasses.replace(self._strictness, evidence=False))
 
     def _require_fair_lots(self, case: ArbiterCase) -> None:
         """Check that in `fair_over_steps` steps, with another seed in each, every seat wins some lots."""

@@ -62,12 +62,15 @@ class Report:
         """Return the report by mistake (see `__str__`), in lines of at most `width` characters."""
         numbered = list(enumerate(self.diagnoses, start=1))
         last = [*self._by_group(width), wrapped(self.summary, width, "", "  ")]
-        for in_full in range(len(numbered), 0, -1):
-            paragraphs = [self._diagnosis_text(*one, width) for one in numbered[:in_full]]
-            text = "\n\n".join([*paragraphs, *self._named(numbered[in_full:], width), *last])
-            if text.count("\n") < _MOST_LINES or in_full == 1:
-                return text
-        return "\n\n".join(last)
+        in_full: list[str] = []
+        text = "\n\n".join(last)
+        for number, diagnosis in numbered:
+            in_full.append(self._diagnosis_text(number, diagnosis, width))
+            longer = "\n\n".join([*in_full, *self._named(numbered[number:], width), *last])
+            if number > 1 and longer.count("\n") >= _MOST_LINES:
+                break
+            text = longer
+        return text
 
     def _named(self, rest: Sequence[tuple[int, Diagnosis]], width: int) -> list[str]:
         """Return one paragraph with the headings of further diagnoses; nothing if there are none."""

@@ -93,5 +93,5 @@ def _warn_not_kept(reason: str) -> None:
     """Print once for each reason that the cache cannot be written."""
     sys.stderr.write(
         f"catch_arena: compiled rules cannot be kept in {CACHE_DIRECTORY}: {reason}; every start compiles them again, "
-        "unless NUMBA_CACHE_DIR names a folder with room\n"
+        "unless NUMBA_CACHE_DIR names a folder that can be written and has room\n"
     )

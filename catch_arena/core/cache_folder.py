@@ -1,4 +1,4 @@
-"""Folder of the compiled code: in the user's cache directory, or a temporary one if that cannot be written.
+"""Folder of the compiled code: in the user's cache directory, or a temporary one where nothing can be written or read.
 
 It has a folder for each state of the core's sources: Numba compares only the file of the function that is called, and
 would miss an edit in another one.

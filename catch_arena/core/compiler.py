@@ -16,6 +16,7 @@ from contextlib import contextmanager
 from typing import Any, Final
 
 import numba._dynfunc
+import numba.core.caching
 import numba.core.codegen
 import numba.core.compiler
 import numba.core.compiler_machinery
@@ -49,6 +50,7 @@ _NEEDED: Final = (
     _Library._raise_if_finalized,  # noqa: SLF001
     codegen.CPUCodegen._check_llvm_bugs,  # noqa: SLF001
     codegen.CPUCodegen._module_pass_manager,  # noqa: SLF001
+    numba.core.caching.Cache._load_overload,  # noqa: SLF001
     compiler.Flags.no_compile,
     compiler.DefaultPassBuilder.define_untyped_pipeline,
     compiler.DefaultPassBuilder.define_typed_pipeline,

@@ -1,6 +1,7 @@
 """Line that is printed while the rules are compiled, since it takes seconds."""
 
 import gc
+import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,7 +16,7 @@ _COMMON_S, _ALL_S = (5, 7) if COMPILER else (20, 25)
 """Approximate compile time on a machine of 2025 [s]."""
 _KEPT: Final = (
     "kept for later starts"
-    if CACHE_DIRECTORY
+    if CACHE_DIRECTORY and os.access(CACHE_DIRECTORY, os.W_OK)
     else "again at every start, unless NUMBA_CACHE_DIR names a folder that can be written"
 )
 

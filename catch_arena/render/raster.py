@@ -170,7 +170,7 @@ class Ground:
 
     def draw_trail(self, way: list[Pose2D], agent_color: shapes.Color | None) -> None:
         """Draw a piece of an agent's way in its colour, or of the way of a target that no agent plays."""
-        if way.count(way[0]) < len(way):
+        if any(pose[:2] != way[0][:2] for pose in way):
             self._floor.draw((scene.trail_shape(self.viewport, way, agent_color),))
 
     def fade(self, time_ms: float) -> None:

@@ -36,21 +36,25 @@ _MOST_WAYS: Final = 100
 """Greatest number of ways to forfeit in the page's list; further ones are only counted."""
 
 
-def write_report(folder: Path, *, budget: int = BUDGET, output: Path | None = None) -> Path:
+def write_report(
+    folder: Path, *, budget: int = BUDGET, matches: Sequence[str] = (), output: Path | None = None
+) -> Path:
     """Write the report of a tournament, whole or not at all.
 
     Args:
         folder: the tournament's folder.
         budget: number of bytes that its replays may take.
+        matches: ids of matches whose replays it has in any case.
         output: the file to write; if None, it is in the folder.
 
     Raises:
         StoreError: if there is nothing to report.
+        ReplayError: for a match that was not recorded.
         OutputError: if the file cannot be written.
     """
     data = ReportData.of(folder)
     path = output or folder / REPORT
-    selected = select_matches(data, budget)
+    selected = select_matches(data, budget, matches)
     explanations = {match: choice.explanation for match, choice in selected.items()}
     lost = find_lost_contests(data, explanations)
     for match in {one.match for one in lost}:

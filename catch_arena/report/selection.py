@@ -1,6 +1,6 @@
 """Selection of the recorded matches that the page itself holds, since it has no room for all."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from itertools import zip_longest
 from typing import NamedTuple
 
@@ -19,18 +19,26 @@ class SelectedMatch(NamedTuple):
     explanation: Explanation
 
 
-def select_matches(data: ReportData, budget: int) -> dict[str, SelectedMatch]:
-    """Return matches by their ids, until their bundles take `budget` bytes."""
+def select_matches(data: ReportData, budget: int, requested: Sequence[str] = ()) -> dict[str, SelectedMatch]:
+    """Return matches by their ids, until their bundles take `budget` bytes; `requested` matches come first, and always.
+
+    Raises:
+        ReplayError: if a requested match was not recorded.
+    """
     selected: dict[str, SelectedMatch] = {}
     taken = 0
-    for match, why in _by_interest(data):
+    for match, why in [*((match, "requested") for match in requested), *_by_interest(data)]:
+        if match in selected:
+            continue
         try:
             replay = data.replay(match)
             choice = SelectedMatch(bundle_text(replay), why, explain(replay))
         except ReplayError:  # it was moved away or has another ruleset; the figures do not need it
+            if match in requested:
+                raise
             continue
         taken += len(choice.bundle)
-        if taken > budget:
+        if taken > budget and match not in requested:
             break
         selected[match] = choice
     return selected

@@ -14,7 +14,7 @@ from types import ModuleType
 from typing import Final
 
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
-from catch_arena.files import encoding_fault, wide_text_fault
+from catch_arena.files import wide_text_fault
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.tournament.agent_spec import (
     COMMAND,
@@ -175,8 +175,9 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
             spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         del sys.modules[name]
-        content = content_of(str(path)) or b""
-        fault = encoding_fault(content) if isinstance(error, SyntaxError) else wide_text_fault(content)
+        fault = wide_text_fault(content_of(str(path)) or b"")
+        if isinstance(error, SyntaxError) and ("'utf-8' codec" in str(error) or "Non-UTF-8" in str(error)):
+            fault = fault or "is not UTF-8: save it as UTF-8"
         why = fault or _why_not_imported(error, path.stem, path.parent if folder is None else None)
         raise AgentError(f"{path}: {why}") from error
     return module

@@ -24,7 +24,7 @@ def test_a_round_never_has_more_matches_than_the_user_allows(tmp_path, monkeypat
     monkeypatch.chdir(tmp_path)
     refused = run("tournament", *["idle"] * 12, "--rounds", "1", "--max-matches", "20")
     assert refused.exit_code == 2
-    assert "--max-matches must be at least 48, for a sample in which all agents play equally" in refused.stderr
+    assert "--max-matches must be at least 48, the matches of one round, got 20" in refused.stderr
 
 
 def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_path):

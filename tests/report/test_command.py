@@ -21,7 +21,8 @@ def test_a_report_is_written_beside_its_tournament(tmp_path):
     [
         (["--budget", "-1"], "--budget must be from 0 to 1000 MB, got -1"),
         (["--budget", "nan"], "--budget must be from 0 to 1000 MB, got nan"),
-        (["--watch", "--budget", "1"], "--budget and --output must be left out with --watch"),
+        (["--watch", "--match", "x"], "--budget, --match and --output must be left out with --watch"),
+        (["--match", "x"], "match x: cannot be shown; it must be a match that was played and recorded"),
     ],
 )
 def test_wrong_words_are_told_in_one_line(tmp_path, words, error):

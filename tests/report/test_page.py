@@ -52,19 +52,25 @@ def test_a_tournament_without_matches_has_no_report(tmp_path):
         write_report(tmp_path)
 
 
-def test_a_match_that_was_not_recorded_cannot_be_shown(played):
-    with pytest.raises(ReplayError, match="match nothing: cannot be shown; it must be a match that was played and"):
-        ReportData.of(played).replay("nothing")
+def test_a_match_that_is_asked_for_is_there_whatever_the_budget(played):
+    data = ReportData.of(played)
+    last = max(data.recorded)
+    assert list(select_matches(data, 0, [last])) == [last]
+    with pytest.raises(
+        ReplayError, match="match nothing: cannot be shown; it must be a match that was played and recorded"
+    ):
+        select_matches(data, 0, ["nothing"])
 
 
 def test_the_page_does_without_a_recorded_match_that_cannot_be_read(played, tmp_path):
+    """Asking for this match by its name is an error."""
     folder = shutil.copytree(played, tmp_path / "damaged")
     data = ReportData.of(folder)
     damaged, *others = sorted(data.recorded)
     (folder / "replays" / f"{damaged}.replay").write_bytes(b"no replay")
     assert sorted(select_matches(data, 10**6)) == others
     with pytest.raises(ReplayError, match="is not a Catch Arena replay"):
-        data.replay(damaged)
+        select_matches(data, 10**6, [damaged])
 
 
 def test_a_tournament_leaves_its_report(played):

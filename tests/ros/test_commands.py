@@ -48,8 +48,8 @@ def run(*arguments):
             "no rosbridge server answers at ws://127.0.0.1:1",
         ),
         (
-            ("serve", "--bus", "zenoh"),
-            "--bus must be rclpy, cyclonedds, rosbridge, or an address such as ws://127.0.0.1:9090, got 'zenoh'",
+            ("serve", "--bus", "http://127.0.0.1:1"),
+            "--bus must be rclpy, cyclonedds, rosbridge, or an address such as ws://127.0.0.1:9090, got 'http://",
         ),
         (("serve", "--set", "control_period_ms=100"), "--set control_period_ms=... must be left out: on a bus each"),
         (("serve", "--seat", "0=Ros"), "use ros for a node, and human for a person"),

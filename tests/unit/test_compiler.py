@@ -105,9 +105,10 @@ def test_the_bits_are_those_of_numbas_own_way_and_of_plain_python(tmp_path):
         "numba.core.codegen.CPUCodegen._module_pass_manager",
         "numba.core.ir_utils.guard",
         "numba._dynfunc.make_function",
+        "numba.core.caching.Cache._load_overload",
     ],
 )
-def test_a_numba_without_what_is_needed_compiles_in_its_own_way(missing, tmp_path):
+def test_a_numba_that_lacks_something_selects_its_own_way(missing, tmp_path):
     """A name that is only used at the end of a compilation counts too."""
     owner, _, name = missing.rpartition(".")
     before = f"import pkgutil, numba\ndelattr(pkgutil.resolve_name({owner!r}), {name!r})\n"

@@ -195,7 +195,7 @@ def _confine(quotas: Quotas, *, namespaced: bool) -> None:
         Path("/proc/self/oom_score_adj").write_text("1000")
     _prctl(_SET_CHILD_SUBREAPER, 1)
     if LINUX:  # this limit does not apply to root
-        with suppress(OSError):  # without /proc the number of tasks is unknown, and there is no limit
+        with suppress(OSError, IndexError, ValueError):  # without /proc the number of tasks is unknown
             _limit(resource.RLIMIT_NPROC, quotas.processes if namespaced else quotas.processes + _tasks())
     _limit(resource.RLIMIT_DATA, quotas.memory_mib * _MIB)
     _limit(resource.RLIMIT_AS, _ADDRESSES * quotas.memory_mib * _MIB)

@@ -31,6 +31,7 @@ _MOST_WAITING: Final = 16
 """Largest number of processes that wait for a next match; each holds its agent's modules in memory."""
 _END_S: Final = 2.0
 """Time for a process to end a match, or to end itself [s]."""
+_PAUSE_S: Final = 0.002
 _KIB: Final = 1024
 _MOST_CODES: Final = 256
 _ENDED_BY_SIGNAL: Final = 128
@@ -207,10 +208,12 @@ class AgentProcess:
 
     def exit_code(self) -> int | None:
         """Return the exit code of the process, below 0 for a signal; None if it does not end in time."""
-        with suppress(subprocess.TimeoutExpired):
-            self._process.wait(_END_S)
-        code = self._process.returncode
-        return _ENDED_BY_SIGNAL - code if self._namespaced and code and code > _ENDED_BY_SIGNAL else code
+        deadline = time.monotonic() + _END_S
+        while (code := self._process.poll()) is None and time.monotonic() < deadline:
+            self.read_log()  # a process that waits for room in the pipe could not end
+            time.sleep(_PAUSE_S)
+        ended_by = code - _ENDED_BY_SIGNAL if self._namespaced and code is not None else 0
+        return -ended_by if 0 < ended_by < signal.NSIG else code
 
     def close(self) -> None:
         """Kill the process and all processes in its namespaces or in its group, and remove its folder."""

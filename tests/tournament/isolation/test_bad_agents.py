@@ -225,6 +225,7 @@ EXITS = "import os\nos.write(2, b'hello\\nlast line\\n')\nos._exit(7)\n"
         ("import os, time\nos.closerange(3, 64)\ntime.sleep(600)\n", "init: it closed its answers"),
         ("cmd:sh -c 'echo last line >&2; exit 3'", 'init: its process exited with code 3; its last line: "last line"'),
         ("cmd:sh -c 'kill -6 $$'", "init: its process was ended by SIGABRT"),
+        ("cmd:sh -c 'exit 255'", "init: its process exited with code 255"),
     ],
 )
 def test_one_that_ends_before_its_first_answer_is_told_how_and_its_output_is_kept(sandbox, tmp_path, source, reason):
