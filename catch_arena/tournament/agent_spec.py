@@ -170,6 +170,8 @@ def _resolve_path(word: str, path: Path) -> AgentSpec:
     if path.is_dir():
         if not (path / IN_FOLDER).is_file():
             raise AgentError(f"{word}: is a folder without {IN_FOLDER}, which holds the class Agent")
+        if (path / IN_FOLDER).is_symlink():
+            raise AgentError(f"{word}: its {IN_FOLDER} is a link, and an isolated agent sees only its folder: copy it")
         return AgentSpec(str(path), tuple(map(composed, path.parts[1:])), _digest_of_folder(path))
     if not path.is_file():
         why = "is a link that leads to no file" if path.is_symlink() else "no such file"
