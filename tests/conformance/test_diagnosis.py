@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from typing import Any
 
 import pytest
-from conformance.wrong_arbiters import KNOWN
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.testing import Report, run_conformance
@@ -22,24 +21,6 @@ def ids(failures: Iterable[Any]) -> list[str]:
 
 def count_in_full(text: str) -> int:
     return len(re.findall(r"^ *FAILED [a-z]+\.", text, re.MULTILINE))
-
-
-@pytest.mark.parametrize(
-    "looks_like", ["first come, first served", "reach is tested with <=", "every request is granted"]
-)
-def test_the_commonest_wrong_arbiters_get_one_diagnosis_in_few_lines(looks_like):
-    """With one failure in full, why its case matters, and the others by name."""
-    report = run_conformance(KNOWN[looks_like])
-    (diagnosis,) = report.diagnoses
-    assert (diagnosis.looks_like, diagnosis.known) == (looks_like, True)
-    assert ids(diagnosis.failures) == ids(report.failures)
-    text = str(report)
-    assert text.startswith(f'1. looks like "{looks_like}": {len(report.failures)} failures\n')
-    assert count_in_full(text) == 1
-    assert "Why it matters: " in text
-    assert f"{len(report.failures) - 1} more: " in text
-    assert text.count("\n") < 30
-    assert count_in_full(report.in_full()) == len(report.failures)
 
 
 def minimal(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: Any) -> list[Any]:
@@ -147,18 +128,6 @@ def test_a_large_case_is_told_briefly_but_with_all():
     assert str(report).count("\n") < 30
     assert report.in_full().count("hunter 15 at") == 1
     assert "hunter 15 at" not in str(report)
-
-
-def test_verdicts_are_enough_for_a_diagnosis():
-    """For an arbiter that does not give evidence yet."""
-
-    def bare(**case: Any) -> list[tuple[object, ...]]:
-        return [(one["verdict"], one["hunter"], one["target"]) for one in KNOWN["first come, first served"](**case)]
-
-    report = run_conformance(bare, evidence=False)
-    assert list(counts(report)) == ["first come, first served"]
-    report = run_conformance(bare)
-    assert set(counts(report)) >= {"no evidence is given"}
 
 
 def crashes(**case: Any) -> Any:

@@ -56,6 +56,11 @@ def test_the_table_has_the_cases_that_a_mistake_fails(mistake: str):
     assert (diagnosis.looks_like, diagnosis.rule, diagnosis.known) == (mistake, known.rule, True)
     assert diagnosis.failures == report.failures
     assert str(report).count("\n") < 25
+    text, count = " ".join(str(report).split()), len(report.failures)
+    assert text.startswith(f'1. looks like "{mistake}": {count} failure')
+    assert text.count("Why it matters: ") == 1
+    assert (f"{count - 1} more: " in text) == (count > 1)
+    assert report.in_full().count("Why it matters: ") == count
 
 
 def as_toml(mistake: str) -> str:
