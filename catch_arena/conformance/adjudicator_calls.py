@@ -27,6 +27,7 @@ KINDS: Final = ("winner", "granted", "refused", "verdict", "evidence")
 only distances or winners do.
 """
 OF_GRANTS: Final = KINDS[:3]
+"""Kinds in which other requests are granted."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from typing import Any
 
 import pytest
+from conformance.wrong_arbiters import KNOWN
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.testing import Report, run_conformance
@@ -128,6 +129,18 @@ def test_a_large_case_is_told_briefly_but_with_all():
     assert str(report).count("\n") < 30
     assert report.in_full().count("hunter 15 at") == 1
     assert "hunter 15 at" not in str(report)
+
+
+def test_verdicts_are_enough_for_a_diagnosis():
+    """For an arbiter that does not give evidence yet."""
+
+    def bare(**case: Any) -> list[tuple[object, ...]]:
+        return [(one["verdict"], one["hunter"], one["target"]) for one in KNOWN["first come, first served"](**case)]
+
+    report = run_conformance(bare, evidence=False)
+    assert list(counts(report)) == ["first come, first served"]
+    report = run_conformance(bare)
+    assert set(counts(report)) >= {"first come, first served", "no evidence is given"}
 
 
 def crashes(**case: Any) -> Any:

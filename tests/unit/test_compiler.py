@@ -83,7 +83,7 @@ def run_small(folder, before="", **settings):
 
 @pytest.mark.skipif("CATCH_ARENA_COMPILER" in os.environ, reason="another way is chosen")
 def test_this_numba_has_what_is_needed():
-    """Otherwise the first start takes four times as long, and nothing else would tell."""
+    """Otherwise the first start takes four times as long, and nothing else would show it."""
     assert COMPILER is compiler
 
 

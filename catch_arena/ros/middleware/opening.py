@@ -36,8 +36,8 @@ def open_bus(bus: str | None = None, *, node: str = "catch_arena", log: Log = pr
         BusError: if a needed package is not installed, or if the bus cannot be reached.
     """
     domain = _domain()
-    is_address = bus is not None and bus.startswith(("ws://", "wss://"))
-    named = "rosbridge" if is_address else bus
+    url = bus if bus is not None and bus.startswith(("ws://", "wss://")) else None
+    named = "rosbridge" if url is not None else bus
     backend = next((one for one in BACKENDS if one == named), None)
     if bus is None:
         backend = _first_that_works(log)
@@ -52,7 +52,7 @@ def open_bus(bus: str | None = None, *, node: str = "catch_arena", log: Log = pr
     if backend == "rosbridge":
         from catch_arena.ros.middleware.rosbridge_bus import RosbridgeBus
 
-        return RosbridgeBus(bus if bus and is_address else BRIDGE_URL, log=log)
+        return RosbridgeBus(url or BRIDGE_URL, log=log)
     from catch_arena.ros.middleware.rclpy_bus import RclpyBus
 
     return RclpyBus(node, domain)

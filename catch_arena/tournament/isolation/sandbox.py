@@ -294,13 +294,16 @@ class Sandbox:
 def exit_reason(code: Any, log: Log) -> str:
     """Return an exit code in words, and the last line of the log; a code below 0 is a signal."""
     last = f'; its last line: "{line}"' if (line := log.last_line()) else ""
+    return f"{_how_it_ended(code)}{last}"
+
+
+def _how_it_ended(code: Any) -> str:
     if not isinstance(code, int) or not -signal.NSIG < code < _MOST_CODES:
-        return f"{ENDED.reason}{last}"
+        return ENDED.reason
     if code >= 0:
-        return f"its process exited with code {code}{last}"
+        return f"its process exited with code {code}"
     name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
-    why = "its process used up its CPU time (cpu_s)" if name == "SIGXCPU" else f"its process was ended by {name}"
-    return f"{why}{last}"
+    return "its process used up its CPU time (cpu_s)" if name == "SIGXCPU" else f"its process was ended by {name}"
 
 
 def excerpt(content: bytes) -> str:
