@@ -31,7 +31,7 @@ Parameters that have the same meaning in every function; docstrings do not repea
   prey. one, other: the rows, or the seats, of two that are compared. bodies: see `prey_views.Bodies`.
 - targets: the slots of the chunk; slot: one of them; at: offset of one in `targets`, its lane included; slots: number
   of slots in use in the lane that uses most. order: the slots or seats that a seat sees, by rank, see
-  `state.slot_at_rank`.
+  `state.Order`; orders: those of the targets, of all seats.
 - x, y: a position [m]; theta: a heading [rad]; sine, cosine: those of a heading. side: side of the arena [m]. number: a
   spawn number, from 1. seed: the arena's seed. step: number of steps played before this one. time_ms: time since the
   reset.

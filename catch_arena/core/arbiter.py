@@ -21,16 +21,18 @@ from catch_arena.verdicts import Verdict
 RequestTable = NDArray[np.int64]
 """Table of requests, (requests, REQUEST_COLUMNS)."""
 
-REQUEST_SEAT: Final = 0
+REQUEST_SEAT: Final = 0  # the hunter's seat, from 0
 REQUEST_TARGET: Final = 1  # requested target: any number that differs by target, or a code of core/state.py
 REQUEST_NUMBER: Final = 2  # the target's spawn number, for the lot
-REQUEST_DISTANCE: Final = 3  # [micrometres]; or NOT_MEASURED, which `judge` writes if reach was not tested
+REQUEST_DISTANCE: Final = (
+    3  # to the target [micrometres], from 0; or NOT_MEASURED, which `judge` writes if reach was not tested
+)
 REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn
 REQUEST_KILL_REFUSED: Final = 5  # flag: the simulator would refuse this kill
-REQUEST_REACH: Final = 6  # [micrometres]: reach of the hunter
+REQUEST_REACH: Final = 6  # reach of the hunter [micrometres], above 0
 REQUEST_TEAM: Final = 7  # any number that differs by team
-REQUEST_VERDICT: Final = 8  # output
-REQUEST_WINNER: Final = 9  # output: seat, or NO_SEAT
+REQUEST_VERDICT: Final = 8  # output: a number of Verdict
+REQUEST_WINNER: Final = 9  # output: a seat, or NO_SEAT
 REQUEST_COLUMNS: Final = 10
 
 NEAREST: Final = 0

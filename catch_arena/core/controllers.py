@@ -26,15 +26,16 @@ from catch_arena.core.state import (
     TARGET_Y,
     TURN_RATE,
     WITHDRAWN,
+    Order,
+    Orders,
     SeatLimits,
     Settings,
     X,
     Y,
+    item_at_rank,
     limits_of,
     played_lanes,
     seat_of,
-    slot_at_rank,
-    target_order_of,
     targets_of,
 )
 from catch_arena.core.vectors import SINGLE, Width, group, select, sqrt
@@ -42,10 +43,12 @@ from catch_arena.core.vectors import SINGLE, Width, group, select, sqrt
 TARGET_CONTROL: Final = 0
 VELOCITY_CONTROL: Final = 1
 FULL_CONTROL: Final = 2
-ACTIVE_X: Final = 0
-ACTIVE_Y: Final = LANES
-ACTIVE_NUMBER: Final = 2 * LANES
-"""Rows of the active target of each lane."""
+
+# rows of the active target of each lane
+ACTIVE_X: Final = 0 * LANES  # its position [m], 0 to the arena's side
+ACTIVE_Y: Final = 1 * LANES  # as ACTIVE_X
+ACTIVE_NUMBER: Final = 2 * LANES  # its spawn number, from 1; 0 for none
+
 CONTROLS: Final = {"target": TARGET_CONTROL, "velocity": VELOCITY_CONTROL, "full": FULL_CONTROL}
 
 
@@ -77,7 +80,7 @@ def look_up_choices(
     s: Settings,
     lanes: int,
     seat: int,
-    order: Rows,
+    order: Order,
     targets: Rows,
     choices: NDArray[np.int64],
     requested: Rows,
@@ -96,7 +99,7 @@ def look_up_choices(
     for lane in range(lanes):
         rank = choices[lane, seat]
         shown = (rank > 0) & (rank <= s.targets_seen)
-        slot = slot_at_rank(order, select(shown, rank - 1, 0), lane)
+        slot = item_at_rank(order, select(shown, rank - 1, 0), lane)
         seen = shown & (slot != ABSENT)
         at = select(seen, slot, 0) * s.slot_size + lane
         unseen = select(rank > 0, float(MALFORMED_REQUEST), float(NO_TARGET))
@@ -156,12 +159,12 @@ def drive_to_target(
 
 @phase
 def request_nearest(
-    me: Rows, s: Settings, lanes: int, order: Rows, targets: Rows, limits: SeatLimits, requested: Rows
+    me: Rows, s: Settings, lanes: int, order: Order, targets: Rows, limits: SeatLimits, requested: Rows
 ) -> None:
     """R4.4: request the nearest target whenever it is within reach, under velocity control."""
     for lane in range(lanes):
         requested[lane] = NO_TARGET
-        slot = slot_at_rank(order, 0, lane)
+        slot = item_at_rank(order, 0, lane)
         if slot != ABSENT:
             at = slot * s.slot_size + lane
             distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
@@ -198,7 +201,7 @@ def steer_seat(
     width: Width,
     lanes: int,
     seat: int,
-    order: Rows,
+    order: Order,
     targets: Rows,
     control: int,
     choices: NDArray[np.int64],
@@ -231,7 +234,7 @@ def steer_lane_by_lane(
     me: Rows,
     s: Settings,
     seat: int,
-    order: Rows,
+    order: Order,
     targets: Rows,
     controls: NDArray[np.int8],
     choices: NDArray[np.int64],
@@ -274,6 +277,7 @@ def apply_actions(
     s: Settings,
     width: Width,
     lanes: int,
+    orders: Orders,
     controls: NDArray[np.int8],
     choices: NDArray[np.int64],
     commands: NDArray[np.float32],
@@ -287,7 +291,7 @@ def apply_actions(
     targets, active_targets = targets_of(chunk, s), sections.scratch_rows
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
-        order = target_order_of(chunk, s, seat)
+        order = orders[seat]
         own, requested = limits_of(sections.limits, seat), sections.requested_slots[seat]
         if s.any_control and controls_differ(controls, seat):
             steer_lane_by_lane(me, s, seat, order, targets, controls, choices, commands, own, requested, active_targets)

@@ -53,6 +53,8 @@ ScratchDoubles2 = Annotated[NDArray[np.float64], Section(np.float64, 3, by_threa
 ScratchKeys1 = Annotated[NDArray[np.int32], Section(np.int32, 2, by_thread=True)]
 Integers1 = Annotated[NDArray[np.int64], Section(np.int64, 1)]
 ScratchIntegers2 = Annotated[NDArray[np.int64], Section(np.int64, 3, by_thread=True)]
+Bytes3 = Annotated[NDArray[np.int8], Section(np.int8, 3)]
+ScratchBytes2 = Annotated[NDArray[np.int8], Section(np.int8, 3, by_thread=True)]
 Flags1 = Annotated[NDArray[np.int8], Section(np.int8, 1)]
 Flags2 = Annotated[NDArray[np.int8], Section(np.int8, 2)]
 Flags3 = Annotated[NDArray[np.int8], Section(np.int8, 3)]
@@ -97,8 +99,8 @@ class Sections(NamedTuple):
     """Rows of LANES, for counts and other temporary numbers of a phase."""
     requested_slots: ScratchDoubles2
     """Request of each seat in this step: a slot, NO_TARGET or MALFORMED_REQUEST: (H, LANES)."""
-    rival_orders: ScratchDoubles2
-    """R7.1: rivals of each seat, nearest first, packed as for `state.slot_at_rank`."""
+    rival_orders: ScratchBytes2
+    """R7.1: rivals of each seat, nearest first, a `state.Order` each: (H, ranks * LANES)."""
     progress_references: ScratchDoubles2
     """R6.2's progress, by seat, three rows: position x and y [m] of the target that was nearest after the commit, and
     its distance then [m], or NOT_MEASURED.
@@ -113,9 +115,11 @@ class Sections(NamedTuple):
     """R12.4: body of each prey, by index, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
     snapshot: ScratchDoubles1
     """Copy of the chunk before the step, if some of its arenas had ended."""
-    # ---- saved, from here to the end; all but the chunks have a row for each arena ----
+    # ---- saved, from here to the end; all but the first two have a row for each arena ----
     chunks: Doubles2
     """Arena memory, (chunks, rows * LANES): see `state`."""
+    target_orders: Bytes3
+    """R7.1: targets of each seat, nearest first, a `state.Order` each: (chunks, H, K * LANES)."""
     rewards: Doubles2
     """R6.2, R12.5: rewards of the last step, (B, N)."""
     parts: Doubles3

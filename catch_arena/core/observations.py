@@ -19,7 +19,7 @@ from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey_views import gather_prey, write_prey
 from catch_arena.core.random import draw, seed_of
-from catch_arena.core.ranking import Bodies, measure_rivals, note_positions, order_bodies, pack_order, rank_targets
+from catch_arena.core.ranking import Bodies, measure_rivals, note_positions, order_bodies, rank_targets, write_order
 from catch_arena.core.state import (
     ABSENT,
     ACTIVE,
@@ -36,17 +36,18 @@ from catch_arena.core.state import (
     STEP,
     THETA,
     TURN_RATE,
+    Order,
+    Orders,
     Settings,
     X,
     Y,
     body_of,
+    item_at_rank,
     limits_of,
     most_alive,
     played_lanes,
     seat_at,
     seat_of,
-    slot_at_rank,
-    target_order_of,
     targets_of,
     targets_ranked,
 )
@@ -125,13 +126,13 @@ def write_self(me: Rows, first: int, width: Width, time_left: float, place: Plac
 
 @phase
 def write_targets(
-    chunk: Rows, s: Settings, first: int, width: Width, seat: int, sections: Sections, place: Place
+    chunk: Rows, s: Settings, first: int, width: Width, seat: int, order: Order, tiles: Rows, place: Place
 ) -> None:
     """R7.1, R7.4: write the targets that one seat sees, in the lanes of one group."""
-    order, tiles, lane = target_order_of(chunk, s, seat), sections.target_tiles, group(first, width)
+    lane = group(first, width)
     me, active = body_tile(seat_of(chunk, seat), 0.0, lane), seat_of(chunk, seat)[ACTIVE + lane]
     for rank in range(s.targets_seen):
-        slots = slot_at_rank(order, rank, lane)
+        slots = item_at_rank(order, rank, lane)
         present = slots != ABSENT
         target = target_of_tile(take_tile(tiles, tile_index(slots, width)))
         at_rank = Place(place.out, place.at + rank * target_width(s), place.stride)
@@ -152,7 +153,7 @@ def write_rivals(
     order, tiles, lane = sections.rival_orders[seat], sections.body_tiles, group(first, width)
     me = body_tile(seat_of(chunk, seat), 0.0, lane)
     for rank in range(s.hunters_seen):
-        seats = slot_at_rank(order, rank, lane)
+        seats = item_at_rank(order, rank, lane)
         present = seats != ABSENT
         rival = body_of_tile(take_tile(tiles, tile_index(seats, width)))
         at_rank = Place(place.out, place.at + rank * rival_width(s), place.stride)
@@ -172,7 +173,7 @@ def blur_seen(
     first: int,
     width: Width,
     seat: int,
-    order: Rows,
+    order: Order,
     kind: np.uint64,
     tiles: Rows,
     place: Place,
@@ -190,7 +191,7 @@ def blur_seen(
         key = blur_key(seed, chunk[STEP + lane], seat, kind)
         at = place.at + (lane - first) * place.stride
         for rank in range(s.targets_seen if of_targets else s.hunters_seen):
-            item = slot_at_rank(order, rank, lane)
+            item = item_at_rank(order, rank, lane)
             if item != ABSENT:
                 tile = (item * len(width) + lane - first) * TILE
                 forward, left = in_frame_of(me, tiles[tile + TILE_X] - me.x, tiles[tile + TILE_Y] - me.y)
@@ -213,7 +214,7 @@ def rival_width(s: Settings) -> int:
 
 
 @phase
-def write_masks(chunk: Rows, s: Settings, lanes: int, masks: Masks) -> None:
+def write_masks(chunk: Rows, s: Settings, lanes: int, orders: Orders, masks: Masks) -> None:
     """R7.2: update the masks, 1 for hold and for ranks that have a target. They change rarely; with a full view, all
     seats of an arena change together.
 
@@ -224,7 +225,7 @@ def write_masks(chunk: Rows, s: Settings, lanes: int, masks: Masks) -> None:
     for lane in range(lanes):
         seat = 0
         while seat < s.hunters:
-            present = targets_ranked(chunk, s, lane, target_order_of(chunk, s, seat))
+            present = targets_ranked(chunk, s, lane, orders[seat])
             if masks[lane, seat, present] == 0 or (present < ranks and masks[lane, seat, present + 1] == 1):
                 for rank in range(ranks + 1):
                     masks[lane, seat, rank] = 1 if rank <= present else 0
@@ -266,7 +267,9 @@ def prefetch_part(next_chunk: Rows, part: int, parts: int) -> None:
 
 
 @phase
-def write(chunk: Rows, s: Settings, width: Width, lanes: int, first_arena: int, slots: int, sections: Sections) -> None:
+def write(
+    chunk: Rows, s: Settings, width: Width, lanes: int, first_arena: int, orders: Orders, slots: int, sections: Sections
+) -> None:
     """R7.1: write the observations of a chunk, one group of lanes after the other.
 
     They are written in place, with two exceptions that use the staging section: a group with lanes without an arena,
@@ -291,7 +294,8 @@ def write(chunk: Rows, s: Settings, width: Width, lanes: int, first_arena: int, 
             at_targets = at + SELF_WIDTH
             at_rivals = at_targets + s.targets_seen * target_width(s)
             write_self(seat_of(chunk, seat), first, width, time_left, Place(destination, at, stride))
-            write_targets(chunk, s, first, width, seat, sections, Place(destination, at_targets, stride))
+            of_targets = Place(destination, at_targets, stride)
+            write_targets(chunk, s, first, width, seat, orders[seat], sections.target_tiles, of_targets)
             write_rivals(chunk, s, first, width, seat, sections, Place(destination, at_rivals, stride))
             prefetch_part(next_chunk, first // len(width) * s.hunters + seat, LANES // len(width) * s.hunters)
         if s.prey > 0:
@@ -311,12 +315,15 @@ def chunk_after(chunks: NDArray[np.float64], first_arena: int) -> Rows:
 
 
 @phase
-def rank_seen(chunk: Rows, s: Settings, first: int, width: Width, lanes: int, slots: int, sections: Sections) -> None:
+def rank_seen(
+    chunk: Rows, s: Settings, first: int, width: Width, lanes: int, orders: Orders, slots: int, sections: Sections
+) -> None:
     """R7.1: rank the targets and rivals that each hunter sees, in the lanes of one group. One group's numbers, which
     are read again and again, stay in the first cache.
 
     Args:
-        sections: see `memory.Sections`; the rivals' orders are the result, and in the chunk those of the targets.
+        orders: the result for targets.
+        sections: see `memory.Sections`; the rivals' orders are the result for rivals.
     """
     keys, targets, hunters = sections.keys, targets_of(chunk, s), chunk[seat_at(0) : seat_at(s.hunters)]
     if s.hunters_seen > 0:
@@ -325,12 +332,12 @@ def rank_seen(chunk: Rows, s: Settings, first: int, width: Width, lanes: int, sl
         me = seat_of(chunk, seat)
         reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
         rank_targets(chunk, me, s, first, width, targets, slots, reach_limit_m2, keys)
-        pack_order(keys, slots, s.targets_seen, first, width, target_order_of(chunk, s, seat))
+        write_order(keys, slots, s.targets_seen, first, width, orders[seat])
         if s.hunters_seen > 0:
             rivals = Bodies(hunters, SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
             measure_rivals(chunk, s, first, width, seat, reach_limit_m2, sections.positions, keys)
             order_bodies(me, first, width, lanes, rivals, sections)
-            pack_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
+            write_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
 
 
 @phase
@@ -338,9 +345,9 @@ def observe(chunk: Rows, s: Settings, width: Width, first_arena: int, stop_arena
     """R7.1, R7.2: rank each hunter's view, and then write the observations and masks of a chunk, for the arenas from
     `first_arena` up to, but not including, `stop_arena`.
 
-    The order of the targets stays in the arena: the next step's choices are ranks in it.
+    The orders of the targets are kept: the next step's choices are ranks in them.
     """
-    lanes = stop_arena - first_arena
+    lanes, orders = stop_arena - first_arena, sections.target_orders[first_arena // LANES]
     targets = targets_of(chunk, s)
     slots = most_alive(chunk, lanes)
     for seat in range(s.hunters):
@@ -349,8 +356,8 @@ def observe(chunk: Rows, s: Settings, width: Width, first_arena: int, stop_arena
         for slot in range(slots):
             update_heading(body_of(targets, s, slot), width)
     for first in range(0, lanes, len(width)):
-        rank_seen(chunk, s, first, width, lanes, slots, sections)
+        rank_seen(chunk, s, first, width, lanes, orders, slots, sections)
     if s.prey > 0:
         gather_prey(chunk, s, lanes, targets, sections)
-    write(chunk, s, width, lanes, first_arena, slots, sections)
-    write_masks(chunk, s, lanes, sections.masks[first_arena:stop_arena])
+    write(chunk, s, width, lanes, first_arena, orders, slots, sections)
+    write_masks(chunk, s, lanes, orders, sections.masks[first_arena:stop_arena])

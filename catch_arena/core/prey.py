@@ -52,10 +52,10 @@ from catch_arena.core.targets import nearest_hunter
 from catch_arena.core.vectors import sqrt
 
 # rows of a prey's reference, kept from phase 2 to its reward
-IN_PLAY: Final = 0 * LANES  # 1 if it was not out on S_t, else 0
-HUNTER_DISTANCE: Final = 1 * LANES  # [m] to the nearest hunter of S_t, or NOT_MEASURED
-HUNTER_X: Final = 2 * LANES  # [m] position of that hunter
-HUNTER_Y: Final = 3 * LANES
+IN_PLAY: Final = 0 * LANES  # flag: it was not out on S_t; 0 or 1
+HUNTER_DISTANCE: Final = 1 * LANES  # distance to the nearest hunter on S_t [m], from 0, or NOT_MEASURED
+HUNTER_X: Final = 2 * LANES  # that hunter's position [m], 0 to the arena's side
+HUNTER_Y: Final = 3 * LANES  # as HUNTER_X
 
 
 @outlined

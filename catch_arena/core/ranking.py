@@ -16,20 +16,19 @@ from catch_arena.core.state import (
     COSINE,
     LANES,
     MOST,
-    RANK_BITS,
-    RANKS_PER_WORD,
     SCORE,
     SINE,
     TARGET_X,
     TARGET_Y,
     WITHDRAWN,
+    Order,
     Settings,
     X,
     Y,
     seat_of,
 )
 from catch_arena.core.tiles import body_tile
-from catch_arena.core.vectors import Width, any_of, group, long, number_of, select, single_bits, truncate
+from catch_arena.core.vectors import Width, any_of, byte, group, select, single_bits, truncate
 from catch_arena.core.visibility import is_seen
 
 Keys = NDArray[np.int32]
@@ -85,25 +84,21 @@ def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> N
 
 
 @phase
-def pack_order(keys: Keys, there: int, ranks: int, first: int, width: Width, packed: Rows) -> None:
-    """Pack the slots or seats of the first keys, as `state.slot_at_rank` reads them.
+def write_order(keys: Keys, there: int, ranks: int, first: int, width: Width, order: Order) -> None:
+    """Write the slots or seats of the first keys, in the lanes of one group.
 
     Args:
         keys: sorted as far as they are read: rows of LANES.
         there: number of rows that have keys.
-        ranks: number of ranks to pack.
-        packed: the result, rows of LANES, RANKS_PER_WORD ranks in each.
+        ranks: number of ranks to write.
+        order: the result.
     """
     lane = group(first, width)
-    for rank in range(0, ranks, RANKS_PER_WORD):
-        word = long(keys[lane] & 0)  # 0 in each lane
-        for next_rank in range(RANKS_PER_WORD):
-            if rank + next_rank < min(there, ranks):
-                item = long(item_of(keys[(rank + next_rank) * LANES + lane]))
-                word = word | (item << (RANK_BITS * next_rank))
-            else:
-                word = word | (ABSENT << (RANK_BITS * next_rank))
-        packed[rank // RANKS_PER_WORD * LANES + lane] = number_of(word)
+    for rank in range(ranks):
+        if rank < there:
+            order[rank * LANES + lane] = byte(item_of(keys[rank * LANES + lane]))
+        else:
+            order[rank * LANES + lane] = ABSENT
 
 
 @phase

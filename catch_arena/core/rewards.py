@@ -23,13 +23,14 @@ from catch_arena.core.state import (
     TARGET_Y,
     VERDICT,
     WITHDRAWN,
+    Order,
     SeatLimits,
     Settings,
     X,
     Y,
+    item_at_rank,
     played_lanes,
     seat_of,
-    slot_at_rank,
 )
 from catch_arena.core.vectors import Width, group, select, sqrt
 from catch_arena.core.visibility import is_seen
@@ -50,10 +51,10 @@ Parts = NDArray[np.float64]
 
 
 @phase
-def set_progress_reference(me: Rows, s: Settings, lanes: int, order: Rows, targets: Rows, reference: Rows) -> None:
+def set_progress_reference(me: Rows, s: Settings, lanes: int, order: Order, targets: Rows, reference: Rows) -> None:
     """R6.2's progress: note the nearest target that the hunter sees on S_t, and its distance."""
     for lane in range(lanes):
-        slot = slot_at_rank(order, 0, lane)
+        slot = item_at_rank(order, 0, lane)
         there = slot != ABSENT
         at = select(there, slot, 0) * s.slot_size + lane
         dx = targets[TARGET_X + at] - me[X + lane]

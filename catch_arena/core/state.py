@@ -3,9 +3,9 @@
 A chunk is one flat, contiguous slice: row r of lane l lies at r * LANES + l. One arena is one column, and a copy of
 that column saves it. A row is one number of each arena, and the constants below are offsets: r * LANES.
 
-The rows of a chunk: the arena's own, HUNTER_ROWS for each seat, a few for each slot, each seat's order of the targets,
-and PREY_ROWS for each prey. Integers are exact in float64; a seed needs two of them. Alive targets fill the slots from
-0 in spawning order (R8.2); all other slots are zero.
+The rows of a chunk: the arena's own, HUNTER_ROWS for each seat, a few for each slot, and PREY_ROWS for each prey.
+Integers are exact in float64; a seed needs two of them. Alive targets fill the slots from 0 in spawning order (R8.2);
+all other slots are zero.
 """
 
 from typing import ClassVar, Final, NamedTuple
@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.jit import Rows, phase, rule
-from catch_arena.core.vectors import Width, bits_of
+from catch_arena.core.vectors import Width, long
 from catch_arena.verdicts import Verdict
 
 LANES: Final = 32
@@ -134,12 +134,12 @@ NOT_MEASURED: Final = -1  # in place of a distance: reach was not tested, or the
 NOT_CAUGHT: Final = -1  # in place of the time of a catch: the prey is in play
 
 # columns of a record: an agent's episode in figures
-FINAL_SCORE: Final = 0  # of prey, the number of times it was caught
-FINAL_RANK: Final = 1  # R6.1, R11.1, R12.5: 1 + the number of teams that have more, or of prey that is ahead
-FINAL_REWARD_SUM: Final = 2
-FINAL_CONTESTS_WON: Final = 3  # of hunters, as all columns that follow
-FINAL_TALLIES: Final = 4  # number of times each verdict was given, in the order of Verdict
-FINAL_TEAM_SCORE: Final = FINAL_TALLIES + len(Verdict)  # if there are teams
+FINAL_SCORE: Final = 0  # catches of a hunter, or of prey the times it was caught, from 0
+FINAL_RANK: Final = 1  # R6.1, R11.1, R12.5: 1 + the number of teams that have more, or of prey that is ahead; from 1
+FINAL_REWARD_SUM: Final = 2  # sum of rewards, any number
+FINAL_CONTESTS_WON: Final = 3  # as CONTESTS_WON, from 0; of hunters, as all columns that follow
+FINAL_TALLIES: Final = 4  # column FINAL_TALLIES + v - 1: number of verdicts v, from 0
+FINAL_TEAM_SCORE: Final = FINAL_TALLIES + len(Verdict)  # R11.1, from 0; only if there are teams
 
 PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request", "progress", "time", "mate_catch")
 """R6.2's parts of a hunter's reward, in the order in which they are written."""
@@ -260,19 +260,8 @@ class SeatLimits(NamedTuple):
 
 MOST: Final = 64
 """Greatest number of hunters, and of targets, in one arena: a key of `ranking` has room for no more."""
-RANKS_PER_WORD: Final = 8
-"""Number of slots or seats in one number of an order, a byte each, the first in the lowest bits. With one to a number a
-batch would lose a tenth of its speed.
-"""
-RANK_BITS: Final = 8
 ABSENT: Final = MOST
 """Value in place of a slot or seat if nothing has the rank."""
-
-
-@rule
-def target_order_rows(targets_seen: int) -> int:
-    """Return the number of rows of one seat's order of the targets."""
-    return (targets_seen + RANKS_PER_WORD - 1) // RANKS_PER_WORD
 
 
 @rule
@@ -288,7 +277,6 @@ class Regions(NamedTuple):
 
     hunters: int
     targets: int
-    target_orders: int
     prey: int
     end: int
 
@@ -298,9 +286,8 @@ def regions_of(s: Settings) -> Regions:
     """Return the offsets of a chunk's regions."""
     hunters = ARENA_ROWS * LANES
     targets = hunters + s.hunters * SEAT_SIZE
-    target_orders = targets + s.max_targets * s.slot_size
-    prey = target_orders + s.hunters * target_order_rows(s.targets_seen) * LANES
-    return Regions(hunters, targets, target_orders, prey, prey + s.prey * PREY_SIZE)
+    prey = targets + s.max_targets * s.slot_size
+    return Regions(hunters, targets, prey, prey + s.prey * PREY_SIZE)
 
 
 @phase
@@ -313,7 +300,7 @@ def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
 def targets_of(chunk: Rows, s: Settings) -> Rows:
     """Return the target slots of a chunk: slot n begins at n * s.slot_size."""
     regions = regions_of(s)
-    return chunk[regions.targets : regions.target_orders]
+    return chunk[regions.targets : regions.prey]
 
 
 @phase
@@ -352,30 +339,25 @@ def prey_of(chunk: Rows, s: Settings, index: int) -> Rows:
     return chunk[first : first + PREY_SIZE]
 
 
-@phase
-def target_order_of(chunk: Rows, s: Settings, seat: int) -> Rows:
-    """Return the targets in the order in which one seat sees them: see `slot_at_rank`."""
-    size = target_order_rows(s.targets_seen) * LANES
-    first = regions_of(s).target_orders + seat * size
-    return chunk[first : first + size]
+Order = NDArray[np.int8]
+"""Slots or seats in the order in which one seat sees them: rows of LANES, one for each rank; ABSENT for none."""
+Orders = NDArray[np.int8]
+"""The order of each seat, (H, ranks * LANES)."""
 
 
 @rule
-def slot_at_rank(order: Rows, rank: int, lane: int) -> int:
-    """Return the slot or seat at a rank; ABSENT for none.
-
-    An order has rows of LANES numbers, with RANKS_PER_WORD ranks in each. Ranks count from 0 here, and from 1 in
-    actions, where 0 is hold (R4.1).
+def item_at_rank(order: Order, rank: int, lane: int) -> int:
+    """Return the slot or seat at a rank; ABSENT for none. Ranks count from 0 here, and from 1 in actions, where 0 is
+    hold (R4.1).
     """
-    word = bits_of(order[rank // RANKS_PER_WORD * LANES + lane])
-    return (word >> (RANK_BITS * (rank % RANKS_PER_WORD))) & 255
+    return long(order[rank * LANES + lane])
 
 
 @phase
-def targets_ranked(chunk: Rows, s: Settings, lane: int, order: Rows) -> int:
+def targets_ranked(chunk: Rows, s: Settings, lane: int, order: Order) -> int:
     """R7.1, R7.5: return the number of targets that a seat sees; each of them has a rank."""
     count = min(int(chunk[ALIVE + lane]), s.targets_seen)
     if s.partial_view:
-        while count > 0 and slot_at_rank(order, count - 1, lane) == ABSENT:
+        while count > 0 and item_at_rank(order, count - 1, lane) == ABSENT:
             count -= 1
     return count

@@ -52,14 +52,13 @@ def play(
         take_snapshot(chunk, sections.snapshot)
     if s.dropout_rate > 0.0:
         drop_out(chunk, s, lanes)
-    controls = sections.controls[first_arena:stop_arena]
-    apply_actions(
-        chunk, s, width, lanes, controls, choices[first_arena:stop_arena], commands[first_arena:stop_arena], sections
-    )
+    orders, controls = sections.target_orders[first_arena // LANES], sections.controls[first_arena:stop_arena]
+    choices, commands = choices[first_arena:stop_arena], commands[first_arena:stop_arena]
+    apply_actions(chunk, s, width, lanes, orders, controls, choices, commands, sections)
     if s.target_motion != STILL:
         command_targets(chunk, s, width, lanes, targets, sections.scratch_rows)
     if s.prey > 0:
-        command_prey(chunk, s, lanes, targets, commands[first_arena:stop_arena], sections)
+        command_prey(chunk, s, lanes, targets, commands, sections)
     resolve_requests(chunk, s, width, lanes, targets, given_requests, sections)
     move(chunk, s, width, lanes, targets, sections.scratch_rows)
     spawn_through(chunk, s, lanes, targets)

@@ -13,7 +13,7 @@ compiler.
 """
 
 import operator
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, Final, TypeVar, cast
 
 import numpy as np
@@ -84,19 +84,14 @@ def truncate(value: float) -> int:
     return cast("int", np.asarray(value).astype(np.int32)[()])
 
 
+def byte(value: int) -> int:
+    """Return an int32 from 0 to 127 as an int8."""
+    return cast("int", np.asarray(value).astype(np.int8)[()])
+
+
 def long(value: int) -> int:
-    """Return an int32 as an int64."""
+    """Return an int8 or an int32 as an int64."""
     return cast("int", np.asarray(value).astype(np.int64)[()])
-
-
-def bits_of(value: float) -> int:
-    """Return the bits of a float64, as an int64."""
-    return cast("int", np.asarray(value).view(np.int64)[()])
-
-
-def number_of(bits: int) -> float:
-    """Return the float64 with these bits, an int64."""
-    return cast("float", np.asarray(bits).view(np.float64)[()])
 
 
 # ---- for the compiler ----
@@ -128,6 +123,7 @@ _LOW_LEVEL: Final = {
     types.float32: ir.FloatType(),
     types.int64: ir.IntType(64),
     types.int32: INT32,
+    types.int8: ir.IntType(8),
     types.boolean: ir.IntType(1),
 }
 
@@ -218,8 +214,6 @@ for _symbol, _floats, _integers in (
     (operator.truediv, "fdiv", ""),
     (operator.and_, "", "and_"),
     (operator.or_, "", "or_"),
-    (operator.lshift, "", "shl"),
-    (operator.rshift, "", "ashr"),
 ):
     _operate(_symbol, _arithmetic(_floats, _integers))
 for _symbol, _written in (
@@ -381,11 +375,14 @@ for _function, _name in ((floor, "floor"), (sqrt, "sqrt")):
     compiled_as(_function, _type_of_rounded, 1)(_rounded_by(_name))
 
 
-def _convert(function: Callable[..., Any], source: Any, dtype: Any, *instructions: tuple[str, Any]) -> None:
-    """Compile a function as LLVM's instructions, one after the other, each with the type that it makes."""
+def _convert(function: Callable[..., Any], sources: Sequence[Any], dtype: Any, *instructions: tuple[str, Any]) -> None:
+    """Compile a function as LLVM's instructions, one after the other, each with the type that it makes. Numbers of
+    another type than its sources become the first of them.
+    """
 
     def typer(value: Any) -> Any:
-        return like(value, dtype)(like(value, source))
+        own = value.dtype if isinstance(value, Vector) else value
+        return like(value, dtype)(like(value, own if own in sources else sources[0]))
 
     @compiled_as(function, typer, 1)
     def _(_context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
@@ -395,8 +392,7 @@ def _convert(function: Callable[..., Any], source: Any, dtype: Any, *instruction
         return value
 
 
-_convert(single_bits, types.float64, types.int32, ("fptrunc", types.float32), ("bitcast", types.int32))
-_convert(truncate, types.float64, types.int32, ("fptosi", types.int32))
-_convert(long, types.int32, types.int64, ("sext", types.int64))
-_convert(bits_of, types.float64, types.int64, ("bitcast", types.int64))
-_convert(number_of, types.int64, types.float64, ("bitcast", types.float64))
+_convert(single_bits, [types.float64], types.int32, ("fptrunc", types.float32), ("bitcast", types.int32))
+_convert(truncate, [types.float64], types.int32, ("fptosi", types.int32))
+_convert(byte, [types.int32], types.int8, ("trunc", types.int8))
+_convert(long, [types.int32, types.int8], types.int64, ("sext", types.int64))

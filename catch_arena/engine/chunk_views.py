@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
-from catch_arena.core.state import LANES, Regions, slot_rows, target_order_rows
+from catch_arena.core.state import LANES, Regions, slot_rows
 
 
 def row_of(offset: int) -> int:
@@ -41,23 +41,24 @@ class ChunkViews:
         config: the arenas' settings.
         regions: offsets of the rows in a chunk.
         chunks: (number of chunks, rows * LANES).
+        target_orders: (number of chunks, H, ranks * LANES).
     """
 
-    def __init__(self, config: ArenaConfig, regions: Regions, chunks: NDArray[np.float64]) -> None:
+    def __init__(
+        self, config: ArenaConfig, regions: Regions, chunks: NDArray[np.float64], target_orders: NDArray[np.int8]
+    ) -> None:
         hunters, prey = config.hunters, config.prey
         num_chunks, num_rows = len(chunks), row_of(regions.end)
         slot = slot_rows(config.targets_move)
-        first_hunter, first_target, first_order, first_prey, end = map(row_of, regions)
+        first_hunter, first_target, first_prey, end = map(row_of, regions)
         self.fields = chunks.reshape(num_chunks, num_rows, LANES)
         """All rows; the arena's own come first: [chunk, row, lane]."""
         self.hunters = self.fields[:, first_hunter:first_target].reshape(num_chunks, hunters, state.HUNTER_ROWS, LANES)
         """Rows of the hunters: [chunk, seat, row, lane]."""
-        self.targets = self.fields[:, first_target:first_order].reshape(num_chunks, config.max_targets, slot, LANES)
+        self.targets = self.fields[:, first_target:first_prey].reshape(num_chunks, config.max_targets, slot, LANES)
         """Rows of the target slots: [chunk, slot, row, lane]."""
-        self.target_orders = self.fields[:, first_order:first_prey].reshape(
-            num_chunks, hunters, target_order_rows(config.targets_seen), LANES
-        )
-        """Order in which each seat sees the targets: [chunk, seat, word, lane], see RANKS_PER_WORD."""
+        self.target_orders = target_orders.reshape(num_chunks, hunters, config.targets_seen, LANES)
+        """Slots in the order in which each seat sees the targets: [chunk, seat, rank, lane]."""
         self.prey = self.fields[:, first_prey:end].reshape(num_chunks, prey, state.PREY_ROWS, LANES)
         """Rows of prey: [chunk, index, row, lane]."""
         self.target_digest = _target_digest(moving=config.targets_move)
@@ -82,7 +83,7 @@ class ChunkViews:
         """R7.1: return the numbers of the targets that one hunter sees in each lane, by rank, 0 for none:
         (chunks * LANES, ranks), a copy.
         """
-        slots = np.ascontiguousarray(self.target_orders[:, seat].swapaxes(1, 2)).view(np.uint8)  # a slot is a byte
+        slots = self.target_orders[:, seat].swapaxes(1, 2)
         none = np.cumsum(slots == state.ABSENT, axis=2) > 0
         numbers = self.targets[:, :, row_of(state.NUMBER)].swapaxes(1, 2)
         seen = np.take_along_axis(numbers, np.where(none, 0, slots).astype(np.int64), axis=2)

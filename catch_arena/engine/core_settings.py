@@ -19,7 +19,6 @@ from catch_arena.core.state import (
     MOTIONS,
     PART_NAMES,
     PREY_PART_NAMES,
-    RANKS_PER_WORD,
     WITHDRAWN,
     SeatLimits,
     Settings,
@@ -131,7 +130,7 @@ def section_shapes(
     agents, ranks = hunters + prey, config.targets_seen + 1
     columns = max(observation_size(config), prey_observation_size(config) if prey else 0)
     with_parts, with_records = arenas if with_infos else 0, arenas if auto_reset else 0
-    size = regions_of(settings).end
+    chunks, size = -(-arenas // LANES), regions_of(settings).end
     tiles = (MOST + 1) * len(WIDE) * TILE
     staging = len(WIDE) * agents * columns + STREAMED  # `put_rows` writes numbers after the end
     return {
@@ -149,13 +148,14 @@ def section_shapes(
         "requests": (threads, hunters, REQUEST_COLUMNS),
         "scratch_rows": (threads, (2 + len(PART_NAMES)) * LANES),  # as many as `rewards.reward` needs
         "requested_slots": (threads, hunters, LANES),
-        "rival_orders": (threads, hunters, MOST // RANKS_PER_WORD * LANES),
+        "rival_orders": (threads, hunters, config.hunters_seen * LANES),
         "progress_references": (threads, hunters, 3 * LANES),
         "team_rows": (threads, 2 * hunters * LANES if teams else 0),
         "prey_references": (threads, prey, 4 * LANES),
         "gathered_prey": (threads, prey, WITHDRAWN + LANES),
         "snapshot": (threads, size),
-        "chunks": (-(-arenas // LANES), size),
+        "chunks": (chunks, size),
+        "target_orders": (chunks, hunters, config.targets_seen * LANES),
         "rewards": (arenas, agents),
         "parts": (with_parts, hunters, len(PART_NAMES)),
         "prey_parts": (with_parts, prey, len(PREY_PART_NAMES)),

@@ -44,7 +44,6 @@ _HUNTERS_A_PART: Final = 4096
 _NO_RESETS: Final = np.zeros((0, 2), dtype=np.uint64)
 NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
-_NO_BYTES: Final = np.zeros(0, dtype=np.uint8)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
 _NO_ACTIONS: Final = (NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
 
@@ -139,7 +138,7 @@ class Engine:
         self.lengths = sections.lengths
         self.records = sections.records
         regions = state.regions_of(settings_in(sections.settings, ALL_OPTIONS))
-        self._views = ChunkViews(self.config, regions, self.chunks)
+        self._views = ChunkViews(self.config, regions, self.chunks, sections.target_orders)
         self.ruling_rows = self._views.hunters[0, :, RULING, 0]
         """R5.6: answers of the first arena in its last step: (H, 4). Columns: the target's number, 0 for none; verdict;
         distance [micrometres] and winner's seat, -1 for none. Verdict 0 is no request; ignore the other columns then.
@@ -338,19 +337,15 @@ class Engine:
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: return the state of one arena, which any arena of an engine of an equal config can take."""
-        rows = [self._column(arena).copy().view(np.uint8), *(rows[arena] for rows in self._saved_rows)]
-        finished = [rows[arena] for rows in self._finished_rows]
-        parts = self.controls[arena].copy(), np.concatenate(rows), np.concatenate([_NO_BYTES, *finished])
+        parts = self.controls[arena].copy(), _bytes_of(self._saved_of(arena)), _bytes_of(self._finished_of(arena))
         return SavedState(self._config_digest, None, *parts)
 
     def restore_row(self, arena: int, saved: SavedState) -> None:
         """Put the saved state of a single arena into one arena of this engine, which continues from it."""
         self.controls[arena] = saved.controls
-        column = self._column(arena)
-        column[:] = saved.memory[: column.nbytes].view(np.float64)
-        _write_rows(self._saved_rows, arena, saved.memory[column.nbytes :])
+        _write(self._saved_of(arena), saved.memory)
         if len(saved.finished):
-            _write_rows(self._finished_rows, arena, saved.finished)
+            _write(self._finished_of(arena), saved.finished)
 
     def require_saved(self, saved: object, *, alone: bool) -> None:
         """Check that this engine can continue from a saved state; `restore` and `restore_row` do not check it.
@@ -372,18 +367,22 @@ class Engine:
         if saved.num_envs != num_envs:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be that of {wanted} here, got that of {got}")
-        size = len(self._saved)
-        if alone:
-            size = self._column(0).nbytes + sum(rows.shape[1] for rows in self._saved_rows)
+        size = sum(numbers.nbytes for numbers in self._saved_of(0)) if alone else len(self._saved)
         if len(saved.memory) != size:
             raise ConfigError(
                 f"a saved state must come from this version of Catch Arena, in which it has {size} bytes, "
                 f"got {len(saved.memory)}"
             )
 
-    def _column(self, arena: int) -> NDArray[np.float64]:
-        """Return one arena's column of its chunk: (rows,), a view of the engine's memory."""
-        return self._views.fields[arena // LANES, :, arena % LANES]
+    def _saved_of(self, arena: int) -> list[NDArray[Any]]:
+        """Return what is saved of one arena, as views of the engine's memory."""
+        chunk, lane = divmod(arena, LANES)
+        columns = self._views.fields[chunk, :, lane], self._views.target_orders[chunk, :, :, lane]
+        return [*columns, *(rows[arena] for rows in self._saved_rows)]
+
+    def _finished_of(self, arena: int) -> list[NDArray[Any]]:
+        """Return the record of one arena's latest ended episode, as views of the engine's memory."""
+        return [rows[arena] for rows in self._finished_rows]
 
     @cached_property
     def _config_digest(self) -> str:
@@ -417,16 +416,20 @@ class Engine:
         self._memory[:] = state
 
 
-def _rows_of(sections: Sequence[NDArray[Any]]) -> list[NDArray[np.uint8]]:
-    """Return the bytes of each arena in these sections: (B, bytes) each."""
-    return [section.view(np.uint8).reshape(len(section), -1) for section in sections if section.size]
+def _rows_of(sections: Sequence[NDArray[Any]]) -> list[NDArray[Any]]:
+    """Return the numbers of each arena in these sections: (B, n) each."""
+    return [section.reshape(len(section), -1) for section in sections if section.size]
 
 
-def _write_rows(sections: Sequence[NDArray[np.uint8]], arena: int, saved: Bytes) -> None:
+def _bytes_of(parts: Sequence[NDArray[Any]]) -> Bytes:
+    return np.frombuffer(b"".join(part.tobytes() for part in parts), np.uint8)
+
+
+def _write(parts: Sequence[NDArray[Any]], saved: Bytes) -> None:
     begin = 0
-    for rows in sections:
-        rows[arena] = saved[begin : begin + rows.shape[1]]
-        begin += rows.shape[1]
+    for part in parts:
+        part[:] = saved[begin : begin + part.nbytes].view(part.dtype).reshape(part.shape)
+        begin += part.nbytes
 
 
 def _in_ms(ages: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -18,7 +18,7 @@ from catch_arena.core.ranking import (
     measure_rivals,
     note_positions,
     order_bodies,
-    pack_order,
+    write_order,
 )
 from catch_arena.core.state import (
     ABSENT,
@@ -33,10 +33,10 @@ from catch_arena.core.state import (
     WITHDRAWN,
     X,
     Y,
+    item_at_rank,
     played_lanes,
     seat_at,
     seat_of,
-    slot_at_rank,
 )
 from catch_arena.core.vectors import HALF, SINGLE, WIDE
 from catch_arena.engine.core_settings import section_shapes, settings_of
@@ -83,7 +83,7 @@ def sort(memory, chunk, seat, width, lanes, s, order):
         measure_rivals(chunk, s, first, width, seat, 0.0, sections.positions, sections.keys)
         rivals = Bodies(chunk[seat_at(0) : seat_at(s.hunters)], SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
         order_bodies(seat_of(chunk, seat), first, width, lanes, rivals, sections)
-        pack_order(sections.keys, s.hunters, s.hunters_seen, first, width, order)
+        write_order(sections.keys, s.hunters, s.hunters_seen, first, width, order)
 
 
 @pytest.mark.rule("R7.1")
@@ -107,10 +107,10 @@ def test_r7_1_rivals_come_in_the_order_in_which_python_sorts_them(hunters, width
             chunk[at : at + LANES] = rng.random(LANES) < 0.1
         teams = sections.teams[:] = rng.integers(0, hunters, hunters)
         for seat in range(hunters):
-            order = np.zeros(-(-s.hunters_seen // 8) * LANES)
+            order = np.zeros(s.hunters_seen * LANES, np.int8)
             sort(memory, chunk, seat, width, lanes, s, order)
             for lane in range(lanes):
-                seen = [slot_at_rank(order, rank, lane) for rank in range(s.hunters_seen)]
+                seen = [item_at_rank(order, rank, lane) for rank in range(s.hunters_seen)]
                 expected, ties = by_python(chunk, seat, hunters, lane, teams)
                 tied += ties
                 assert seen == (expected + [ABSENT] * s.hunters_seen)[: s.hunters_seen]
