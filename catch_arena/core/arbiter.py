@@ -24,9 +24,7 @@ RequestTable = NDArray[np.int64]
 REQUEST_SEAT: Final = 0  # the hunter's seat, from 0
 REQUEST_TARGET: Final = 1  # requested target: any number that differs by target, or a code of core/state.py
 REQUEST_NUMBER: Final = 2  # the target's spawn number, for the lot
-REQUEST_DISTANCE: Final = (
-    3  # to the target [micrometres], from 0; or NOT_MEASURED, which `judge` writes if reach was not tested
-)
+REQUEST_DISTANCE: Final = 3  # to the target [micrometres], from 0; NOT_MEASURED if reach is not tested
 REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn
 REQUEST_KILL_REFUSED: Final = 5  # flag: the simulator would refuse this kill
 REQUEST_REACH: Final = 6  # reach of the hunter [micrometres], above 0
