@@ -3,8 +3,8 @@
 docs/reference/replays.md defines the changes that are tried, and their order.
 """
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
 from itertools import islice, pairwise, product
 from typing import Any, Final, NamedTuple
 
@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.state import PART_NAMES
-from catch_arena.engine import Engine
+from catch_arena.engine import Engine, SavedState
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Claim, Contest
@@ -22,7 +22,7 @@ from catch_arena.explanation.seats import find_subjects, labels, prey_labels
 from catch_arena.explanation.sentences import listed
 from catch_arena.explanation.step_explanation import step_at
 from catch_arena.replay import Replay
-from catch_arena.replay.states import ACTIVE_TARGET, LINEAR_VELOCITY, parts_of
+from catch_arena.replay.states import LINEAR_VELOCITY, parts_of
 from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 
@@ -41,6 +41,8 @@ _CATCH: Final = PART_NAMES.index("catch")
 _FORMER: Final = -1
 """Value in place of a target's number: the rank as it was recorded, which meant no target."""
 
+_Played = tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.bool_]]
+"""Ranks and commands of all agents in a step, and whether the change counts, in a row for each change."""
 Action = int | tuple[float, float] | dict[str, Any]
 """Action as an environment takes it: a rank, a command, or a dict of both under full control."""
 
@@ -79,10 +81,8 @@ class _Win(NamedTuple):
     run: range
     """Steps with the change, from 0."""
     change: _Change
-    choices: list[int]
-    """Ranks of the hunter from the run's first step to that of the catch."""
-    commands: list[NDArray[np.float32]]
-    """Commands of the hunter in the same steps: (2,)."""
+    steps: int
+    """Number of steps played until the catch, that of the catch included."""
 
 
 def what_if(
@@ -128,9 +128,8 @@ def what_if(
     called = "it" if search.is_earlier(win) else target
     caught = _result(won, called, last.time_ms - replay.config.control_period_ms)
     sentence = f"{search.sentence(win, alternative)}, and {name} {caught}."
-    return WhatIf(
-        contest, search.seat, search.actions(win), None if won is None else won.margin_um, sentence, alternative
-    )
+    margin_um = None if won is None else won.margin_um
+    return WhatIf(contest, search.seat, search.actions(alternative), margin_um, sentence, alternative)
 
 
 def lost_contest_at(replay: Replay, at_s: float, hunter: int | str | None = None) -> Contest:
@@ -194,11 +193,14 @@ class _Search:
         self._judged = contest.step - 1
         self._first = max(0, self._judged - _WINDOW_MS // self._period_ms)
         self.tried = 0
-        window = range(max(0, self._first - 1), contest.step)
-        self._starts, worlds = {}, []
-        for step, engine in enumerate(islice(replay.checked_engines(), max(0, contest.step + 1))):
-            if step in window:
+        self._starts: dict[int, SavedState] = {}
+        self._active: dict[int, NDArray[np.int64]] = {}
+        """Numbers of the hunters' active targets, by seat, after a number of steps."""
+        worlds = []
+        for step, engine in enumerate(islice(replay.checked_engines(), contest.step + 1)):
+            if step >= self._first - 1:
                 self._starts[step] = engine.save_row(0)
+                self._active[step] = engine.active_targets()[0]
             if step >= self._judged:
                 worlds.append(engine.world())
         if len(worlds) < 2 or contest not in contests_of(replay, worlds[1]):
@@ -206,15 +208,11 @@ class _Search:
         players = zip(worlds[0].prey, prey_labels(replay), strict=True)
         self.target = next((label for prey, label in players if prey.target == contest.target), contest.target)
         """Label of the contested target, or of the prey that plays it."""
-        self._goals: dict[int, int] = {}
-        for step in window:
-            active = int(self._hunters(step + 1)[seat, ACTIVE_TARGET])
-            self._goals[step] = active or _FORMER if replay.choices[step][seat] else 0
+        self._goals = {
+            step: (int(self._active[step + 1][seat]) or _FORMER) if replay.choices[step][seat] else 0
+            for step in range(max(0, self._first - 1), contest.step)
+        }
         self._engine = Engine(config, _MOST_OTHERS + 2 if self._control == "target" else len(self._changes(0)))
-
-    def _hunters(self, step: int) -> NDArray[np.int64]:
-        """Return the hunters' numbers in the recorded state after `step` steps."""
-        return parts_of(self._replay.states[step], self._replay.config).hunters
 
     def find(self, progress: Callable[[int, int], None] | None) -> _Win | None:
         """Return the smallest change with which the hunter catches the target: that of the fewest decisions, of these
@@ -257,26 +255,36 @@ class _Search:
         goals = (None, self._number) if self._control == "full" else (None,)
         return [_Change(*parts) for parts in product(goals, (None, *speeds), (None, *_QUARTERS))][1:]
 
-    def _wins(self, run: range, changes: Sequence[_Change]) -> list[_Win]:
-        """Play every change in a run of steps; return those that count and win the target.
+    def _wins(self, run: range, changes: list[_Change]) -> list[_Win]:
+        """Return the changes in a run of steps that count and win the target."""
+        engine, seat, found = self._engine, self.seat, []
+        same = [*changes, *changes[-1:] * (engine.num_arenas - len(changes))]  # every arena plays a change
+        for steps, (_, _, counts) in enumerate(self._play(engine, run, same), start=run.start + 1):
+            caught = counts & (engine.parts[:, seat, _CATCH] > 0.0)
+            for row in np.flatnonzero(caught[: len(changes)]).tolist():
+                won = {ruling.hunter: ruling.target for ruling in engine.rulings(row) if ruling.success}
+                if won[seat] == self._contest.target:
+                    found.append(_Win(run, changes[row], steps))
+        return found
 
-        A change counts if its target is in view in each of these steps, and the ranks of all other hunters mean the
+    def _play(self, engine: Engine, run: range, changes: Sequence[_Change]) -> Iterator[_Played]:
+        """Play changes in a run of steps, one in each arena of an engine, up to the contest; yield after each step its
+        actions, and which changes count so far.
+
+        A change counts if its target is in view in each step of the run, and the ranks of all other hunters mean the
         same targets as in the recorded match.
         """
-        engine, seat, rows = self._engine, self.seat, self._engine.num_arenas
+        replay, seat, rows = self._replay, self.seat, len(changes)
         for row in range(rows):
             engine.restore_row(row, self._starts[run.start])
-        changed = [*changes, *[_Change()] * (rows - len(changes))]
-        counts, found = np.arange(rows) < len(changes), []
-        goals = np.array([np.nan if change.goal is None else change.goal for change in changed])
-        given = np.array([change[1:] for change in changed], dtype=np.float32)  # NaN for None
-        choices_by_step, commands_by_step = [], []
+        counts = np.ones(rows, dtype=np.bool_)
+        goals = np.array([np.nan if change.goal is None else change.goal for change in changes])
+        given = np.array([change[1:] for change in changes], dtype=np.float32)  # NaN for None
         for step in range(run.start, self._judged + 1):
-            for agent, row in product(self._replay.withdrawn_before(step), range(rows)):
+            for agent, row in product(replay.withdrawn_before(step), range(rows)):
                 engine.withdraw(row, agent)
-            choices = np.tile(self._replay.choices[step], (rows, 1))
-            commands = np.concatenate((self._replay.commands[step], self._replay.prey_commands[step]))
-            commands = np.tile(commands, (rows, 1, 1))
+            choices = np.tile(replay.choices[step], (rows, 1))
+            commands = np.tile(np.concatenate((replay.commands[step], replay.prey_commands[step])), (rows, 1, 1))
             wanted = np.where(np.isnan(goals) | (step not in run), self._goals[step], goals)
             seen = engine.numbers_seen(seat) == wanted[:, None]
             in_view = seen.any(axis=1) & (wanted > 0)
@@ -285,65 +293,48 @@ class _Search:
             if step in run:
                 counts &= in_view | ~(goals > 0)
                 commands[:, seat] = np.where(np.isnan(given), commands[:, seat], given)
-            choices_by_step.append(choices[:, seat])
-            commands_by_step.append(commands[:, seat])
             engine.step(choices, commands)
-            active = self._hunters(step + 1)[self._others, ACTIVE_TARGET]
-            counts &= (engine.active_targets()[:, self._others] == active).all(axis=1)
-            for row in np.flatnonzero(counts & (engine.parts[:, seat, _CATCH] > 0.0)).tolist():
-                won = {ruling.hunter: ruling.target for ruling in engine.rulings(row) if ruling.success}
-                if won[seat] == self._contest.target:
-                    own_choices = [int(by_row[row]) for by_row in choices_by_step]
-                    own_commands = [by_row[row] for by_row in commands_by_step]
-                    found.append(_Win(run, changed[row], own_choices, own_commands))
-        return found
+            active = engine.active_targets()[:, self._others]
+            counts &= (active == self._active[step + 1][self._others]).all(axis=1)
+            yield choices, commands, counts
 
     def _deviation(self, win: _Win) -> float:
         """Return the sum of the differences from the recorded actions in a change's steps: of both parts of the
         command, and 1 for another target.
         """
         total = 0.0
-        for step in win.run[: len(win.choices)]:
-            recorded = self._recorded_command(step).tolist()
+        for step in range(win.run.start, min(win.run.stop, win.steps)):
+            recorded = self._replay.commands[step][self.seat].tolist()
             total += sum(abs(new - old) for new, old in zip(win.change[1:], recorded, strict=True) if new is not None)
             total += win.change.goal not in (None, self._goals[step])
         return total
 
-    def actions(self, win: _Win) -> dict[int, Action]:
-        """Return the actions of the hunter that differ from the recorded ones, by step."""
-        changed: dict[int, Action] = {}
-        for step, (rank, command) in enumerate(zip(win.choices, win.commands, strict=True), start=win.run.start):
-            if rank == self._replay.choices[step][self.seat] and (command == self._recorded_command(step)).all():
-                continue
-            linear, angular = command.tolist()
-            command_and_rank = {"cmd_vel": (linear, angular), "catch": rank}
-            by_control: dict[str, Action] = {"target": rank, "velocity": (linear, angular), "full": command_and_rank}
-            changed[step] = by_control[self._control]
-        return changed
-
     def alternative(self, win: _Win) -> tuple[Replay, World]:
         """Return the match with a change, up to the step of the catch, and its last world."""
         old, begin = self._replay, win.run.start
-        end = begin + len(win.choices)
-        played = replace(
-            old,
-            choices=[choices.copy() for choices in old.choices[:end]],
-            commands=[commands.copy() for commands in old.commands[:end]],
-            prey_commands=old.prey_commands[:end],
-            digests=[],
-            states=[],
-            withdrawals=[departure for departure in old.withdrawals if departure[0] < end],
-            named_requests=[request for request in old.named_requests if request.step < begin],
-        )
-        for step, rank, command in zip(range(begin, end), win.choices, win.commands, strict=True):
-            played.choices[step][self.seat], played.commands[step][self.seat] = rank, command
-        for engine in played.engines():
-            played.note(engine)
+        played, engine = old.copy(), Engine(old.config)
+        for recorded in (played.choices, played.commands, played.prey_commands):
+            del recorded[begin:]
+        del played.digests[begin + 1 :], played.states[begin + 1 :]
+        played.withdrawals = [departure for departure in old.withdrawals if departure[0] < win.steps]
+        played.named_requests = [request for request in old.named_requests if request.step < begin]
+        for choices, commands, _ in islice(self._play(engine, win.run, [win.change]), win.steps - begin):
+            played.append(choices[0], commands[0], engine)
         return played, engine.world()
 
-    def _recorded_command(self, step: int) -> NDArray[np.float32]:
-        own: NDArray[np.float32] = self._replay.commands[step][self.seat]
-        return own
+    def actions(self, alternative: Replay) -> dict[int, Action]:
+        """Return the actions of the hunter that differ from the recorded ones, by step."""
+        changed: dict[int, Action] = {}
+        for step in range(self._first, alternative.steps):
+            (rank, command), recorded = (
+                (int(match.choices[step][self.seat]), tuple(match.commands[step][self.seat].tolist()))
+                for match in (alternative, self._replay)
+            )
+            if (rank, command) != recorded:
+                full = {"cmd_vel": command, "catch": rank}
+                by_control: dict[str, Action] = {"target": rank, "velocity": command, "full": full}
+                changed[step] = by_control[self._control]
+        return changed
 
     # in words
 
@@ -372,7 +363,7 @@ class _Search:
             return f"For {length} from {begin}: {new} instead of {old}"
         config = self._replay.config
         limits = np.array((config.max_speeds[self.seat], config.max_turn_rates[self.seat]))
-        commands = np.array([self._recorded_command(step) for step in run]) * limits
+        commands = np.array([self._replay.commands[step][self.seat] for step in run]) * limits
         average = "" if (commands == commands[0]).all() else " on average"
         (speed, turn), parts = commands.mean(axis=0).tolist(), []
         if change.linear is not None:
