@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from catch_arena.config import ArbitrationPolicy
+from catch_arena.config import ArbitrationPolicy, ArenaConfig
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import (
     Capture,
@@ -18,7 +18,7 @@ from catch_arena.explanation.facts import (
     json_ready,
 )
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, team_label
-from catch_arena.explanation.seen_targets import SeenTargets
+from catch_arena.explanation.seen_targets import unseen_targets
 from catch_arena.explanation.sentences import (
     capture_sentence,
     contest_sentence,
@@ -113,7 +113,7 @@ def explain(
     summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
     scores = (0,) * len(names)
     prey = _PreyRecord(replay)
-    sight, seen = SeenTargets(replay.config), [set[str]() for _ in names]
+    seen = [set[str]() for _ in names]
     for before, after in pairwise(replay.worlds()):
         found = contests_of(replay, after)
         contests += found
@@ -126,7 +126,7 @@ def explain(
         refusals.note(after.rulings, named, before.time_ms, {claim.seat for one in found for claim in one.claims})
         prey.note(before, after)
         if replay.config.partial_view:
-            _note_sight(sight, seen, before, after, summaries)
+            _note_sight(replay.config, seen, before, after, summaries)
         _note_departures(replay, before, after, summaries)
         _note_forestalled(after, found, summaries)
         for ruling in (*after.rulings, *named):
@@ -244,14 +244,14 @@ class _PreyRecord:
 
 
 def _note_sight(
-    sight: SeenTargets, seen: Sequence[set[str]], before: World, after: World, summaries: Sequence[HunterSummary]
+    config: ArenaConfig, seen: Sequence[set[str]], before: World, after: World, summaries: Sequence[HunterSummary]
 ) -> None:
     """R7.5: add the targets in sight before a step, and count the catches of never seen targets in it."""
     caught = [(str(ruling.target), ruling.hunter) for ruling in after.rulings if ruling.success]
     for summary, names in zip(summaries, seen, strict=True):
         if not before.hunters[summary.seat].withdrawn:
-            visible = sight.of(before, summary.seat).tolist()
-            names |= {target.name for target, seen_now in zip(before.targets, visible, strict=True) if seen_now}
+            unseen = {target.target for target in unseen_targets(config, before, summary.seat)}
+            names.update({target.name for target in before.targets} - unseen)
         missed = sum(catcher != summary.seat and name not in names for name, catcher in caught)
         summary.never_seen = (summary.never_seen or 0) + missed
 

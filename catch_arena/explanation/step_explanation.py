@@ -12,7 +12,7 @@ from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels
-from catch_arena.explanation.seen_targets import SeenTargets, Unseen
+from catch_arena.explanation.seen_targets import Unseen, unseen_targets
 from catch_arena.explanation.sentences import (
     action_sentences,
     contest_sentence,
@@ -111,8 +111,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         has = f"from 1 to {replay.steps}" if replay.steps else "in the match, which has no steps"
         raise ConfigError(f"step must be a whole number {has}, got {step!r}")
     before, after = islice(replay.worlds(), number - 1, number + 1)
-    seen_targets = SeenTargets(replay.config)
-    unseen = [tuple(seen_targets.unseen(before, seat)) for seat in range(replay.config.hunters)]
+    unseen = [tuple(unseen_targets(replay.config, before, seat)) for seat in range(replay.config.hunters)]
     by_name = replay.named_rulings(before, after)
     hunters = tuple(_hunter_action(replay, before, after, seat, unseen[seat], by_name) for seat in seats)
     prey_names = prey_labels(replay)

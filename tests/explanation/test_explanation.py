@@ -14,7 +14,7 @@ from oracle.arithmetic import draw, key
 from catch_arena import ArenaService, Verdict, arbitrate, explain, explain_step
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import step_at
-from catch_arena.explanation.seen_targets import SeenTargets
+from catch_arena.explanation.seen_targets import unseen_targets
 from catch_arena.messages import CatchTurtleRequest
 
 TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
@@ -315,17 +315,16 @@ def half_blind(play, request):
 
 def test_what_a_hunter_is_said_to_see_is_what_the_engine_ranks(half_blind):
     """In every state each seat has ranks for the nearest targets in sight, and none for those called unseen."""
-    sight = SeenTargets(half_blind.config)
     hidden = 0
     for engine in half_blind.engines():
         world = engine.world()
         for seat in range(4):
             ranks = {target.name: engine.rank_of(0, seat, target.name) for target in world.targets}
             view = sorted((name for name, rank in ranks.items() if rank), key=ranks.get)
-            seen = {target.name for target, one in zip(world.targets, sight.of(world, seat), strict=True) if one}
+            unseen = unseen_targets(half_blind.config, world, seat)
+            seen = ranks.keys() - {one.target for one in unseen}
             assert seen.issuperset(view)
             assert [half_blind.config.target_name(number) for number in engine.numbers_seen(seat)[0] if number] == view
-            unseen = sight.unseen(world, seat)
             hidden += len(unseen)
             assert all(ranks[one.target] == 0 for one in unseen)
             assert len(view) == min(8, len(seen))
