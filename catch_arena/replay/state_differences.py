@@ -1,16 +1,13 @@
 """Differences of two states of a match, number by number, in words."""
 
-import math
 from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.math import wrap
-from catch_arena.replay.states import ARENA, HUNTER, MICRO, OUT, PREY, QuantisedState, parts_of, target_numbers
+from catch_arena.replay.states import CAUGHT_AT, MICRO, QuantisedState, parts_of, tables_of
 
 _MOST_LINES: Final = 12
-_ARENA, _HUNTERS, _TARGETS, _PREY = range(4)
-"""Indices of the parts of a state, in the order of `StateParts`."""
 
 
 def state_name(step: int) -> str:
@@ -48,58 +45,51 @@ def state_differences(
         labels: the names of the states in the lines.
     """
     found = []
-    tables = (ARENA, HUNTER, target_numbers(config), PREY)
-    first_rows, second_rows = _rows(first, config), _rows(second, config)
-    for group, number in sorted(first_rows.keys() | second_rows.keys()):
-        subject = _body_name(config, names, group, number)
-        first_row, second_row = (rows.get((group, number)) for rows in (first_rows, second_rows))
-        if first_row is None or second_row is None:
-            here, there = labels[::-1] if first_row is None else labels
-            found.append(f"{subject}: alive {here}, not {there}")
-            continue
-        for (quantity, unit), *values in zip(tables[group].items(), first_row, second_row, strict=True):
-            if values[0] != values[1]:
-                shown = [f"{_shown(config, unit, value)} {label}" for value, label in zip(values, labels, strict=True)]
-                found.append(f"{subject}: {quantity} is {' and '.join(shown)}{_apart(quantity, unit, values)}")
+    parts = zip(tables_of(config), _by_body(config, names, first), _by_body(config, names, second), strict=True)
+    for quantities, here, there in parts:
+        for body in here | there:
+            if body not in here or body not in there:
+                alive, gone = labels if body in here else labels[::-1]
+                found.append(f"{body}: alive {alive}, not {gone}")
+                continue
+            for (quantity, unit), *values in zip(quantities.items(), here[body], there[body], strict=True):
+                if values[0] != values[1]:
+                    one, other = (_shown(config, quantity, unit, value) for value in values)
+                    apart = _apart(config, quantity, unit, values)
+                    found.append(f"{body}: {quantity} is {one} {labels[0]} and {other} {labels[1]}{apart}")
     return found or ["every number differs by less than a millionth of its unit"]
 
 
-def _rows(state: QuantisedState, config: ArenaConfig) -> dict[tuple[int, int], list[int]]:
-    """Return the numbers of the arena, each agent and each target by (part of the state, seat, index or number)."""
-    found = {}
-    for group, part in enumerate(parts_of(state, config)):
-        for place, row in enumerate(part.tolist()):
-            found[group, row[0] if group == _TARGETS else place] = row
-    return found
+def _by_body(config: ArenaConfig, names: Sequence[str], state: QuantisedState) -> tuple[dict[str, list[int]], ...]:
+    """Return the numbers of the arena, of each hunter, of each target and of each prey, by name."""
+    own = config.hunter_names + config.prey_names
+    agents = [name if name == label else f"{name} ({label})" for name, label in zip(own, names, strict=True)]
+    arena, hunters, targets, prey = (part.tolist() for part in parts_of(state, config))
+    return (
+        {"clock and counters": arena[0]},
+        dict(zip(agents[: config.hunters], hunters, strict=True)),
+        {config.target_name(row[0]): row for row in targets},
+        dict(zip(agents[config.hunters :], prey, strict=True)),
+    )
 
 
-def _body_name(config: ArenaConfig, names: Sequence[str], group: int, number: int) -> str:
-    if group == _ARENA:
-        return "clock and counters"
-    if group == _TARGETS:
-        return config.target_name(number)
-    agent = number if group == _HUNTERS else config.hunters + number
-    name = (config.hunter_names + config.prey_names)[agent]
-    return name if name == names[agent] else f"{name} ({names[agent]})"
-
-
-def _apart(quantity: str, unit: str, values: Sequence[int]) -> str:
+def _apart(config: ArenaConfig, quantity: str, unit: str, values: Sequence[int]) -> str:
     """Return the difference of two values in words; "" if it has no meaning."""
-    if unit in ("target", "flag") or (unit == OUT and min(values) < 0):
+    if unit in ("target", "flag") or (quantity == CAUGHT_AT and min(values) < 0):
         return ""
     apart = abs(values[1] - values[0])
     if quantity == "theta":
-        return f", {math.fabs(wrap(apart / 1e6)):.6f} rad apart"
-    return f", {f'{apart / 1e6:.6f} {unit}' if unit in MICRO else f'{apart} {unit[:2]}'.strip()} apart"
+        apart = round(1e6 * abs(wrap(apart / 1e6)))
+    return f", {_shown(config, quantity, unit, apart)} apart"
 
 
-def _shown(config: ArenaConfig, unit: str, value: int) -> str:
+def _shown(config: ArenaConfig, quantity: str, unit: str, value: int) -> str:
     if unit in MICRO:
         return f"{value / 1e6:.6f} {unit}"
     if unit == "target":
         return config.target_name(value) if value else "none"
     if unit == "flag":
         return "yes" if value else "no"
-    if unit == OUT and value < 0:
+    if quantity == CAUGHT_AT and value < 0:
         return "not out"
-    return f"{value} {unit[:2]}".strip()
+    return f"{value} {unit}".strip()

@@ -5,7 +5,7 @@ bodies as differences from R2.2's motion, which are almost 0, and the numbers of
 """
 
 from collections.abc import Sequence
-from functools import cache
+from functools import lru_cache
 from io import BytesIO
 from typing import Any, Final, NamedTuple, cast
 
@@ -47,8 +47,9 @@ HUNTER: Final = {
     "at wall": "flag",
     "withdrawn": "flag",
 }
-OUT: Final = "ms, or -1 while in play"
-PREY: Final = {"target": "target", "times caught": "", "caught at": OUT}
+CAUGHT_AT: Final = "caught at"
+"""Time at which prey was caught; -1 while it is in play."""
+PREY: Final = {"target": "target", "times caught": "", CAUGHT_AT: "ms"}
 _STILL_TARGET: Final = {"number": "", "x": "m", "y": "m", "theta": "rad", "appeared": "ms"}
 _MOVING_TARGET: Final = {**_STILL_TARGET, "linear velocity": "m/s", "angular velocity": "rad/s", "at wall": "flag"}
 MICRO: Final = frozenset({"m", "rad", "m/s", "rad/s", "m s", "rad s"})
@@ -83,7 +84,12 @@ def target_numbers(config: ArenaConfig) -> dict[str, str]:
     return _MOVING_TARGET if config.targets_move else _STILL_TARGET
 
 
-def parts_of(state: QuantisedState, config: ArenaConfig) -> StateParts:
+def tables_of(config: ArenaConfig) -> tuple[dict[str, str], ...]:
+    """Return the names and units of the numbers of each part of a state, in the order of `StateParts`."""
+    return ARENA, HUNTER, target_numbers(config), PREY
+
+
+def parts_of(state: NDArray[Any], config: ArenaConfig) -> StateParts:
     """Return the parts of a state, as views of its memory."""
     hunters, targets = len(ARENA), _before_targets(config)
     prey = len(state) - config.prey * len(PREY)
@@ -97,16 +103,16 @@ def parts_of(state: QuantisedState, config: ArenaConfig) -> StateParts:
 
 def quantise(state: NDArray[np.float64], config: ArenaConfig) -> QuantisedState:
     """Return a state of `Engine.state()` in quantised form."""
-    return _rounded(_scale(config.hunters, config.prey, len(state), moving=config.targets_move) * state)
+    return _rounded(_scale(config, len(state)) * state)
 
 
-@cache
-def _scale(hunters: int, prey: int, length: int, *, moving: bool) -> NDArray[np.float64]:
+@lru_cache
+def _scale(config: ArenaConfig, length: int) -> NDArray[np.float64]:
     """Return the factor of each number of a state of this length."""
-    target = [*(_MOVING_TARGET if moving else _STILL_TARGET).values()]
-    before, after = [*ARENA.values(), *hunters * [*HUNTER.values()]], prey * [*PREY.values()]
-    alive = (length - len(before) - len(after)) // len(target)
-    return np.where([unit in MICRO for unit in (*before, *alive * target, *after)], 1_000_000.0, 1.0)
+    factors = np.ones(length)
+    for quantities, part in zip(tables_of(config), parts_of(factors, config), strict=True):
+        part[:, [unit in MICRO for unit in quantities.values()]] = 1_000_000.0
+    return factors
 
 
 def state_length(config: ArenaConfig) -> int:
