@@ -1,11 +1,12 @@
 """Summary of a match, from the arbiter's evidence (R5.6): contests, refusals, captures, and each agent's results."""
 
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from typing import Any
 
-from catch_arena.config import ArbitrationPolicy, ArenaConfig
+from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import (
     Capture,
@@ -110,38 +111,30 @@ def explain(
     contests: list[Contest] = []
     catches: list[Catch] = []
     refusals = _RefusalRuns()
-    summaries = [HunterSummary(seat, name) for seat, name in enumerate(names)]
-    scores = (0,) * len(names)
+    hunters = [_HunterRecord(replay, seat, name) for seat, name in enumerate(names)]
     prey = _PreyRecord(replay)
-    seen = [set[str]() for _ in names]
+    scores = (0,) * len(names)
     for before, after in pairwise(replay.worlds()):
-        found = contests_of(replay, after)
+        found, named = contests_of(replay, after), replay.named_rulings(before, after)
+        granted = [ruling for ruling in after.rulings if ruling.success]
         contests += found
         catches += [
             Catch(before.time_ms, ruling.hunter, after.hunters[ruling.hunter].team, after.team_scores)
-            for ruling in after.rulings
-            if ruling.success
+            for ruling in granted
         ]
-        named = replay.named_rulings(before, after)
         refusals.note(after.rulings, named, before.time_ms, {claim.seat for one in found for claim in one.claims})
         prey.note(before, after)
-        if replay.config.partial_view:
-            _note_sight(replay.config, seen, before, after, summaries)
-        _note_departures(replay, before, after, summaries)
-        _note_forestalled(after, found, summaries)
+        catchers = {str(ruling.target): ruling.hunter for ruling in granted}
+        for record in hunters:
+            record.note(before, after, catchers, found)
         for ruling in (*after.rulings, *named):
-            if ruling.verdict not in (Verdict.GRANTED, Verdict.LOST_CONTEST):
-                refused = summaries[ruling.hunter].refused
-                refused[ruling.verdict.name] = refused.get(ruling.verdict.name, 0) + 1
-        scores = tuple(hunter.score for hunter in after.hunters)
+            hunters[ruling.hunter].verdicts[ruling.verdict] += 1
+        scores = tuple(state.score for state in after.hunters)
         if progress is not None:
             progress(after.step, replay.steps)
-    _count_contests(summaries, contests)
-    for summary, score in zip(summaries, scores, strict=True):
-        summary.catches, summary.refused = score, dict(sorted(summary.refused.items()))
     own_names = {prey.summaries[index].name for index in prey_indices}
     own_targets = {target for target, name in prey.by_target.items() if name in own_names}
-    hunters, teams = replay.hunter_names, replay.config.team_seats
+    players, teams = replay.hunter_names, replay.config.team_seats
     return Explanation(
         title=replay.title,
         policy=replay.config.policy,
@@ -153,13 +146,13 @@ def explain(
         prey_names=prey_labels(replay),
         prey_by_target=prey.by_target,
         scores=scores,
-        entrants=tuple(" + ".join(dict.fromkeys(hunters[seat] for seat in members)) for members in teams),
+        entrants=tuple(" + ".join(dict.fromkeys(players[seat] for seat in members)) for members in teams),
         catches=tuple(catches),
         contests=tuple(
             one for one in contests if one.target in own_targets or any(claim.seat in seats for claim in one.claims)
         ),
         refusals=tuple(one for one in refusals.found if one.target in own_targets or one.seat in seats),
-        records=tuple(summaries[seat] for seat in seats),
+        records=tuple(hunters[seat].finished(scores[seat], contests) for seat in seats),
         teams=_teams(replay, scores),
         captures=tuple(one for one in prey.captures if one.prey in prey_indices or one.seat in seats),
         prey=tuple(prey.summaries[index] for index in prey_indices),
@@ -209,6 +202,53 @@ class _RefusalRuns:
             run.farthest_um = distance if run.farthest_um is None else max(run.farthest_um, distance)
 
 
+class _HunterRecord:
+    """Summary of one hunter, collected step by step."""
+
+    def __init__(self, replay: Replay, seat: int, name: str) -> None:
+        self._replay = replay
+        self._summary = HunterSummary(seat, name)
+        self._seen: set[str] = set()
+        """Names of the targets that the hunter has had in sight."""
+        self.verdicts: Counter[Verdict] = Counter()
+        """Number of its requests by verdict."""
+
+    def note(self, before: World, after: World, catchers: Mapping[str, int], contests: Sequence[Contest]) -> None:
+        """Add the next step, with the seat that caught each target in it, and its contests."""
+        summary, seat, config = self._summary, self._summary.seat, self._replay.config
+        if after.hunters[seat].withdrawn and summary.withdrawn_ms is None:  # R1.6, R1.7: it took no part in the step
+            summary.withdrawn_ms = before.time_ms
+            summary.dropped_out = exit_cause(self._replay, seat) == "dropped out"
+        lost = {target for target, catcher in catchers.items() if catcher != seat}
+        contested = {one.target for one in contests if any(claim.seat == seat for claim in one.claims)}
+        summary.forestalled += after.hunters[seat].active_target in lost - contested  # R4.1
+        if config.partial_view:  # R7.5
+            if not before.hunters[seat].withdrawn:
+                unseen = {one.target for one in unseen_targets(config, before, seat)}
+                self._seen.update({target.name for target in before.targets} - unseen)
+            summary.never_seen = (summary.never_seen or 0) + len(lost - self._seen)
+
+    def finished(self, score: int, contests: Sequence[Contest]) -> HunterSummary:
+        """Return the summary, with the hunter's score and the results of the match's contests."""
+        summary, won, lost = self._summary, [], []
+        for contest in contests:
+            winner, *losers = contest.claims
+            if contest.clause == "R9.1":  # every claim wins
+                continue
+            if winner.seat == summary.seat:
+                won.append(contest.margin_um or 0)
+            for claim in losers:
+                if claim.seat == summary.seat:
+                    summary.contests_lost_to_mates += claim.mate
+                    lost.append((claim.distance_um or 0) - (winner.distance_um or 0))
+        summary.catches, summary.contests_won, summary.contests_lost = score, len(won), len(lost)
+        summary.won_by_um = sum(won) / len(won) if won else None
+        summary.lost_by_um = sum(lost) / len(lost) if lost else None
+        refused = self.verdicts.keys() - {Verdict.GRANTED, Verdict.LOST_CONTEST}
+        summary.refused = dict(sorted((verdict.name, self.verdicts[verdict]) for verdict in refused))
+        return summary
+
+
 class _PreyRecord:
     """Captures of a match (chapter 12) and a summary of each prey, collected step by step."""
 
@@ -241,52 +281,3 @@ class _PreyRecord:
         in_play_ms = before.time_ms - target.spawned_ms
         self._open[index] = Capture(index, after.step, before.time_ms, seat, target.name, distance, in_play_ms)
         self.captures.append(self._open[index])
-
-
-def _note_sight(
-    config: ArenaConfig, seen: Sequence[set[str]], before: World, after: World, summaries: Sequence[HunterSummary]
-) -> None:
-    """R7.5: add the targets in sight before a step, and count the catches of never seen targets in it."""
-    caught = [(str(ruling.target), ruling.hunter) for ruling in after.rulings if ruling.success]
-    for summary, names in zip(summaries, seen, strict=True):
-        if not before.hunters[summary.seat].withdrawn:
-            unseen = {target.target for target in unseen_targets(config, before, summary.seat)}
-            names.update({target.name for target in before.targets} - unseen)
-        missed = sum(catcher != summary.seat and name not in names for name, catcher in caught)
-        summary.never_seen = (summary.never_seen or 0) + missed
-
-
-def _note_departures(replay: Replay, before: World, after: World, summaries: Sequence[HunterSummary]) -> None:
-    """R1.6, R1.7: note the departures in a step; a hunter that takes no part in it left at its beginning."""
-    for summary, hunter in zip(summaries, after.hunters, strict=True):
-        if hunter.withdrawn and summary.withdrawn_ms is None:
-            summary.withdrawn_ms = before.time_ms
-            summary.dropped_out = exit_cause(replay, summary.seat) == "dropped out"
-
-
-def _note_forestalled(world: World, contests: Sequence[Contest], summaries: Sequence[HunterSummary]) -> None:
-    """Count the hunters whose active target (R4.1) another hunter caught without a contest between them."""
-    catchers = {ruling.target: ruling.hunter for ruling in world.rulings if ruling.success}
-    contested = {(contest.target, claim.seat) for contest in contests for claim in contest.claims}
-    for summary, hunter in zip(summaries, world.hunters, strict=True):
-        goal = hunter.active_target
-        if catchers.get(goal, summary.seat) != summary.seat and (goal, summary.seat) not in contested:
-            summary.forestalled += 1
-
-
-def _count_contests(summaries: Sequence[HunterSummary], contests: Sequence[Contest]) -> None:
-    """Add to the summaries the numbers of contests won and lost, and the mean margins."""
-    decided = [contest for contest in contests if contest.clause != "R9.1"]  # under R9.1 every claim wins
-    for summary in summaries:
-        won, lost = [], []
-        for contest in decided:
-            winner, *losers = contest.claims
-            if winner.seat == summary.seat:
-                won.append(contest.margin_um or 0)
-            for claim in losers:
-                if claim.seat == summary.seat:
-                    summary.contests_lost_to_mates += claim.mate
-                    lost.append((claim.distance_um or 0) - (winner.distance_um or 0))
-        summary.contests_won, summary.contests_lost = len(won), len(lost)
-        summary.won_by_um = sum(won) / len(won) if won else None
-        summary.lost_by_um = sum(lost) / len(lost) if lost else None
