@@ -1,6 +1,6 @@
 """R10.2: check that a match plays as it was recorded, and report the altered parts if it does not."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from itertools import groupby
 
 import numpy as np
@@ -9,7 +9,6 @@ from catch_arena.errors import ReplayError
 from catch_arena.replay.named_requests import requests_of_step
 from catch_arena.replay.recording import Replay
 from catch_arena.replay.state_differences import first_lines, on_one_line, state_differences, state_name
-from catch_arena.replay.states import QuantisedState, quantise
 from catch_arena.world import World
 
 
@@ -30,16 +29,11 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
     Returns:
         a line for each fault; if the match differs, further lines for the numbers that differ in its first such step.
     """
-    other_digests: list[int] = []
-    other_numbers: dict[int, QuantisedState] = {}
+    played = Replay(replay.config, replay.seed, replay.names)
     impossible: list[str] = []
     before: World | None = None
     for step, engine in enumerate(replay.engines()):
-        state = quantise(engine.state(), replay.config)
-        if engine.digest() != replay.digests[step]:
-            other_digests.append(step)
-        if not np.array_equal(state, replay.states[step]):
-            other_numbers[step] = state
+        played.note(engine)
         if engine.ends.item() and step < replay.steps:
             impossible.append(f"the match ends in {state_name(step)}, but {replay.steps} steps are recorded")
         if before is not None:
@@ -50,34 +44,36 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
         before = engine.world() if requests_of_step(replay.named_requests, step) else None
         if progress is not None:
             progress(step, replay.steps)
-    return [*impossible[:1], *_faults(replay, other_digests, other_numbers)]
+    return [*impossible[:1], *_faults(replay, played)]
 
 
-def _faults(replay: Replay, other_digests: Sequence[int], other_numbers: Mapping[int, QuantisedState]) -> list[str]:
+def _faults(replay: Replay, played: Replay) -> list[str]:
     """Return the faults that follow from the steps whose digests or numbers differ."""
+    steps = range(replay.steps + 1)
+    other_digests = [step for step in steps if replay.digests[step] != played.digests[step]]
+    other_numbers = {step for step in steps if not np.array_equal(replay.states[step], played.states[step])}
     stretches = [[step for _, step in run] for _, run in groupby(enumerate(other_digests), lambda at: at[1] - at[0])]
     differs, altered = [], []
     for stretch in stretches:
-        rejoined = replay.config.prey and any(step in other_numbers for step in stretch)
+        rejoined = replay.config.prey and not other_numbers.isdisjoint(stretch)
         if rejoined or stretch[-1] == replay.steps:
             differs.append(stretch)
         else:
             altered += stretch
     found = [f"{_altered('digest', altered)}: the match itself plays as recorded"] if altered else []
-    if numbers := sorted(other_numbers.keys() - set(other_digests)):
-        difference = on_one_line(_differences(replay, numbers[0], other_numbers))
+    if numbers := sorted(other_numbers.difference(other_digests)):
+        difference = on_one_line(_differences(replay, played, numbers[0]))
         found.append(f"{_altered('quantised state', numbers)}: the digest agrees, but {difference}")
     for stretch in differs:
         first, last = stretch[0], stretch[-1]
         again = "" if last == replay.steps else f"; from {state_name(last + 1)} on it plays as recorded"
         found.append(f"the first difference is in {state_name(first)}{again}")
-        found += first_lines(first, _differences(replay, first, other_numbers))
+        found += first_lines(first, _differences(replay, played, first))
     return found
 
 
-def _differences(replay: Replay, step: int, played: Mapping[int, QuantisedState]) -> list[str]:
-    recorded = replay.states[step]
-    return state_differences(replay.config, replay.names, recorded, played.get(step, recorded))
+def _differences(replay: Replay, played: Replay, step: int) -> list[str]:
+    return state_differences(replay.config, replay.names, replay.states[step], played.states[step])
 
 
 def _altered(kind: str, steps: Sequence[int]) -> str:
