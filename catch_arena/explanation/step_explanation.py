@@ -1,7 +1,6 @@
 """Explanation of one step: each agent's action, its requests, and the distances of all hunters to the targets."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import islice
 from typing import Any
@@ -12,7 +11,7 @@ from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels
-from catch_arena.explanation.seen_targets import Unseen, unseen_targets
+from catch_arena.explanation.seen_targets import unseen_targets
 from catch_arena.explanation.sentences import (
     action_sentences,
     contest_sentence,
@@ -22,8 +21,6 @@ from catch_arena.explanation.sentences import (
 from catch_arena.plain import as_python, real_number, whole_number
 from catch_arena.replay import Replay
 from catch_arena.text import with_type
-from catch_arena.verdicts import Ruling, Verdict
-from catch_arena.world import World
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,9 +108,26 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         has = f"from 1 to {replay.steps}" if replay.steps else "in the match, which has no steps"
         raise ConfigError(f"step must be a whole number {has}, got {step!r}")
     before, after = islice(replay.worlds(), number - 1, number + 1)
-    unseen = [tuple(unseen_targets(replay.config, before, seat)) for seat in range(replay.config.hunters)]
+    config, contests = replay.config, contests_of(replay, after)
+    unseen = [tuple(unseen_targets(config, before, seat)) for seat in range(config.hunters)]
+    rulings = {ruling.hunter: ruling for ruling in after.rulings}
     by_name = replay.named_rulings(before, after)
-    hunters = tuple(_hunter_action(replay, before, after, seat, unseen[seat], by_name) for seat in seats)
+    lost_to_mates = {claim.seat for contest in contests for claim in contest.claims if claim.mate}
+    hunters = tuple(
+        HunterAction(
+            seat=seat,
+            control=config.controls[seat],
+            action=replay.action(before.step, seat),
+            chosen=after.hunters[seat].active_target if replay.choices[before.step][seat] else None,
+            ruling=rulings.get(seat),
+            mate=seat in lost_to_mates,
+            out=exit_cause(replay, seat) if after.hunters[seat].withdrawn else None,
+            seen=len(before.targets) - len(unseen[seat]),
+            unseen=unseen[seat],
+            by_name=tuple(ruling for ruling in by_name if ruling.hunter == seat),
+        )
+        for seat in seats
+    )
     prey_names = prey_labels(replay)
     prey = tuple(
         PreyAction(
@@ -127,12 +141,12 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         )
         for index in prey_indices
     )
-    played = {action.target for action in prey if action.target is not None}
-    chosen = {action.chosen for action in hunters}
+    played = {action.target for action in prey}
     requested = {
         ruling.target for action in hunters for ruling in (action.ruling, *action.by_name) if ruling is not None
     }
-    named = {target.name for target in before.targets if target.name in played | chosen | requested}
+    named = played | requested | {action.chosen for action in hunters}
+    shown = [target for target in before.targets if target.name in named]
     return StepExplanation(
         step=number,
         begin_ms=before.time_ms,
@@ -145,43 +159,20 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         },
         distances_um={
             target.name: tuple(int(measure_um(target.x - hunter.x, target.y - hunter.y)) for hunter in before.hunters)
-            for target in before.targets
-            if target.name in named
+            for target in shown
         },
         out_of_sight={
-            name: tuple(seat for seat, hidden in enumerate(unseen) if any(name == one.target for one in hidden))
-            for name in sorted(named)
+            target.name: tuple(
+                seat for seat, hidden in enumerate(unseen) if target.name in {one.target for one in hidden}
+            )
+            for target in shown
         },
-        reaches_um=replay.config.reaches_um,
-        view_radius_m=replay.config.view_radius_m,
-        view_angle_deg=replay.config.view_angle_deg,
+        reaches_um=config.reaches_um,
+        view_radius_m=config.view_radius_m,
+        view_angle_deg=config.view_angle_deg,
         contests=tuple(
             contest
-            for contest in contests_of(replay, after)
+            for contest in contests
             if contest.target in played or any(claim.seat in seats for claim in contest.claims)
         ),
-    )
-
-
-def _hunter_action(
-    replay: Replay, before: World, after: World, seat: int, unseen: tuple[Unseen, ...], by_name: Sequence[Ruling]
-) -> HunterAction:
-    ruling = next((ruling for ruling in after.rulings if ruling.hunter == seat), None)
-    teams = replay.config.team_by_seat
-    return HunterAction(
-        seat=seat,
-        control=replay.config.controls[seat],
-        action=replay.action(before.step, seat),
-        chosen=after.hunters[seat].active_target if replay.choices[before.step][seat] else None,
-        ruling=ruling,
-        mate=(
-            ruling is not None
-            and ruling.verdict is Verdict.LOST_CONTEST
-            and ruling.winner is not None
-            and teams[ruling.winner] == teams[seat]
-        ),
-        out=exit_cause(replay, seat) if after.hunters[seat].withdrawn else None,
-        seen=len(before.targets) - len(unseen),
-        unseen=unseen,
-        by_name=tuple(ruling_by_name for ruling_by_name in by_name if ruling_by_name.hunter == seat),
     )
