@@ -93,37 +93,32 @@ def interpolate(start: Pose2D, end: Pose2D, part: float) -> Pose2D:
 def step_motion(before: World, after: World) -> StepMotion:
     """Return a step's motion, from the poses of the world before it and the velocities of the world after it."""
     first = before.time_ms // TICK_MS
-    fresh = min(after.time_ms, before.time_ms + WATCHDOG_MS) // TICK_MS - first
+    driven = min(after.time_ms, before.time_ms + WATCHDOG_MS) // TICK_MS - first  # R2.4: after it hunters stand still
     moved = any(target.linear_velocity or target.angular_velocity for target in after.targets)
-    ticks = min(after.time_ms // TICK_MS - first, _MOST_TICKS) if moved else fresh
-    hunters = [
-        _body_ticks(start, end, fresh, after.side_m) for start, end in zip(before.hunters, after.hunters, strict=True)
-    ]
+    ticks = min(after.time_ms // TICK_MS - first, _MOST_TICKS) if moved else driven
     began = {target.number: target for target in before.targets}
-    targets = {
-        end.number: _body_ticks(began.get(end.number, end), end, ticks, after.side_m)
-        if moved
-        else [(end.x, end.y, end.theta)] * (ticks + 1)
-        for end in after.targets
-    }
-    return StepMotion(
-        before,
-        after,
-        tuple(
-            Poses(
-                tuple(track[min(tick, fresh)] for track in hunters),
-                {number: track[tick] for number, track in targets.items()},
-            )
-            for tick in range(ticks + 1)
-        ),
+    hunters = [
+        _body_ticks(start, end, driven, after.side_m) for start, end in zip(before.hunters, after.hunters, strict=True)
+    ]
+    targets = {end.number: _body_ticks(began.get(end.number, end), end, ticks, after.side_m) for end in after.targets}
+    poses = tuple(
+        Poses(
+            tuple(track[min(tick, driven)] for track in hunters),
+            {number: track[tick] for number, track in targets.items()},
+        )
+        for tick in range(ticks + 1)
     )
+    return StepMotion(before, after, poses)
 
 
 def _body_ticks(
     start: HunterState | TargetState, end: HunterState | TargetState, ticks: int, side_m: float
 ) -> list[Pose2D]:
+    """Return a body's poses at the beginning of a step and at each tick."""
     x, y = start.x, start.y
     poses = [(x, y, start.theta)]
+    if start.theta == end.theta and (x, y) == (end.x, end.y):  # the case for most targets
+        return poses * (ticks + 1)
     stride, turn = end.linear_velocity * DT, end.angular_velocity * DT
     sine, cosine = sincos(start.theta)
     turn_sine, turn_cosine = sincos(turn)
