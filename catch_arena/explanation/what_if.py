@@ -41,8 +41,8 @@ _CATCH: Final = PART_NAMES.index("catch")
 _FORMER: Final = -1
 """Value in place of a target's number: the rank as it was recorded, which meant no target."""
 
-_Played = tuple[NDArray[np.int64], NDArray[np.float32], NDArray[np.bool_]]
-"""Ranks and commands of all agents in a step, and whether the change counts, in a row for each change."""
+_Played = tuple[NDArray[np.int64], NDArray[np.float32], list[int]]
+"""Ranks and commands of all agents in a step, in a row for each arena, and the arenas in which the hunter wins."""
 Action = int | tuple[float, float] | dict[str, Any]
 """Action as an environment takes it: a rank, a command, or a dict of both under full control."""
 
@@ -69,20 +69,12 @@ class WhatIf:
 class _Change(NamedTuple):
     """Action in place of the recorded ones in a run of steps; None keeps a part as it was recorded."""
 
+    run: range
+    """Steps, from 0."""
     goal: int | None = None
     """Number of the target that is chosen or requested; 0 for none."""
-    linear: float | None = None
-    angular: float | None = None
-
-
-class _Win(NamedTuple):
-    """Change with which the loser catches the target."""
-
-    run: range
-    """Steps with the change, from 0."""
-    change: _Change
-    steps: int
-    """Number of steps played until the catch, that of the catch included."""
+    command: tuple[float | None, float | None] = (None, None)
+    """Linear and angular velocity, as fractions of the limits."""
 
 
 def what_if(
@@ -114,8 +106,8 @@ def what_if(
         raise ConfigError(f"contest must be one that {loser} lost, got {got}")
     search = _Search(replay, contest, claims[0].seat)
     target = search.target
-    win, name = search.find(progress), labels(replay.hunter_names)[search.seat]
-    if win is None:
+    change, name = search.find(progress), labels(replay.hunter_names)[search.seat]
+    if change is None:
         by_lot = (
             " Lots decide under first_come (R5.9), and no action changes a lot." if contest.clause == "R5.9" else ""
         )
@@ -123,11 +115,11 @@ def what_if(
             f"No change of {name}'s actions within 2 s would have won {target}: {search.tried} were tried.{by_lot}"
         )
         return WhatIf(contest, search.seat, {}, None, sentence, None)
-    alternative, last = search.alternative(win)
+    alternative, last = search.alternative(change)
     won = next((one for one in contests_of(alternative, last) if one.target == contest.target), None)
-    called = "it" if search.is_earlier(win) else target
+    called = "it" if search.is_earlier(change) else target
     caught = _result(won, called, last.time_ms - replay.config.control_period_ms)
-    sentence = f"{search.sentence(win, alternative)}, and {name} {caught}."
+    sentence = f"{search.sentence(change, alternative)}, and {name} {caught}."
     margin_um = None if won is None else won.margin_um
     return WhatIf(contest, search.seat, search.actions(alternative), margin_um, sentence, alternative)
 
@@ -212,9 +204,10 @@ class _Search:
             step: (int(self._active[step + 1][seat]) or _FORMER) if replay.choices[step][seat] else 0
             for step in range(max(0, self._first - 1), contest.step)
         }
-        self._engine = Engine(config, _MOST_OTHERS + 2 if self._control == "target" else len(self._changes(0)))
+        batch = _MOST_OTHERS + 2 if self._control == "target" else len(self._changes(range(0)))
+        self._engine = Engine(config, batch)
 
-    def find(self, progress: Callable[[int, int], None] | None) -> _Win | None:
+    def find(self, progress: Callable[[int, int], None] | None) -> _Change | None:
         """Return the smallest change with which the hunter catches the target: that of the fewest decisions, of these
         the shortest, then the latest, then that of the least deviation; None if there is none.
         """
@@ -223,63 +216,61 @@ class _Search:
         rounds = list(product(range(_MOST_DECISIONS + 1), range(1, len(edges))))
         for done, (decisions, length) in enumerate(rounds, start=1):
             for stop, begin in zip(edges, edges[length:], strict=False):
-                run = range(begin, stop)
-                changes = [change for change in self._changes(begin) if self._decisions(run, change) == decisions]
+                changes = [
+                    change for change in self._changes(range(begin, stop)) if self._decisions(change) == decisions
+                ]
                 self.tried += len(changes)
-                wins = self._wins(run, changes) if changes else []
+                wins = self._wins(changes) if changes else {}
                 if wins:
-                    return min(wins, key=self._deviation)
+                    return min(wins, key=lambda change: self._deviation(change, wins[change]))
             if progress is not None:
                 progress(done, len(rounds))
         return None
 
-    def _decisions(self, run: range, change: _Change) -> int:
+    def _decisions(self, change: _Change) -> int:
         """Return the number of decisions that a change adds: steps in which the hunter chooses another target than in
         the step before.
         """
         if change.goal is None:
             return 0
         goals = list(self._goals.values())
-        changed = [change.goal if step in run else goal for step, goal in self._goals.items()]
+        changed = [change.goal if step in change.run else goal for step, goal in self._goals.items()]
         more, fewer = (sum(one != other for one, other in pairwise(chosen)) for chosen in (changed, goals))
         return max(0, more - fewer)
 
-    def _changes(self, begin: int) -> list[_Change]:
-        """Return the changes that are tried in runs that begin with a step; of equally large ones the first is best."""
+    def _changes(self, run: range) -> list[_Change]:
+        """Return the changes that are tried in a run; of equally large ones the first is best."""
         if self._control == "target":
-            self._engine.restore_row(0, self._starts[begin])
+            self._engine.restore_row(0, self._starts[run.start])
             seen: list[int] = self._engine.numbers_seen(self.seat)[0].tolist()
             others = [number for number in seen if number not in (0, self._number)]
-            return [_Change(goal) for goal in (self._number, *others[:_MOST_OTHERS], 0)]
+            return [_Change(run, goal) for goal in (self._number, *others[:_MOST_OTHERS], 0)]
         speeds = [speed for speed in _QUARTERS if speed >= 0.0 or self._replay.config.reverse]
         goals = (None, self._number) if self._control == "full" else (None,)
-        return [_Change(*parts) for parts in product(goals, (None, *speeds), (None, *_QUARTERS))][1:]
+        commands = product((None, *speeds), (None, *_QUARTERS))
+        return [_Change(run, goal, command) for goal, command in product(goals, commands)][1:]
 
-    def _wins(self, run: range, changes: list[_Change]) -> list[_Win]:
-        """Return the changes in a run of steps that count and win the target."""
-        engine, seat, found = self._engine, self.seat, []
-        same = [*changes, *changes[-1:] * (engine.num_arenas - len(changes))]  # every arena plays a change
-        for steps, (_, _, counts) in enumerate(self._play(engine, run, same), start=run.start + 1):
-            caught = counts & (engine.parts[:, seat, _CATCH] > 0.0)
-            for row in np.flatnonzero(caught[: len(changes)]).tolist():
-                won = {ruling.hunter: ruling.target for ruling in engine.rulings(row) if ruling.success}
-                if won[seat] == self._contest.target:
-                    found.append(_Win(run, changes[row], steps))
-        return found
+    def _wins(self, changes: list[_Change]) -> dict[_Change, int]:
+        """Return which changes of one run win the target, with the number of steps played until the catch."""
+        wins: dict[_Change, int] = {}
+        same = [*changes, *changes[-1:] * (self._engine.num_arenas - len(changes))]  # every arena plays a change
+        for steps, (_, _, won) in enumerate(self._play(self._engine, same), start=changes[0].run.start + 1):
+            wins |= {same[row]: steps for row in won}
+        return wins
 
-    def _play(self, engine: Engine, run: range, changes: Sequence[_Change]) -> Iterator[_Played]:
-        """Play changes in a run of steps, one in each arena of an engine, up to the contest; yield after each step its
-        actions, and which changes count so far.
+    def _play(self, engine: Engine, changes: Sequence[_Change]) -> Iterator[_Played]:
+        """Play changes in one run of steps, one in each arena of an engine, up to the contest; yield after each step
+        its actions, and the arenas in which the hunter catches the contested target by a change that counts.
 
         A change counts if its target is in view in each step of the run, and the ranks of all other hunters mean the
         same targets as in the recorded match.
         """
-        replay, seat, rows = self._replay, self.seat, len(changes)
+        replay, seat, rows, run = self._replay, self.seat, len(changes), changes[0].run
         for row in range(rows):
             engine.restore_row(row, self._starts[run.start])
         counts = np.ones(rows, dtype=np.bool_)
         goals = np.array([np.nan if change.goal is None else change.goal for change in changes])
-        given = np.array([change[1:] for change in changes], dtype=np.float32)  # NaN for None
+        given = np.array([change.command for change in changes], dtype=np.float32)  # NaN for None
         for step in range(run.start, self._judged + 1):
             for agent, row in product(replay.withdrawn_before(step), range(rows)):
                 engine.withdraw(row, agent)
@@ -296,30 +287,34 @@ class _Search:
             engine.step(choices, commands)
             active = engine.active_targets()[:, self._others]
             counts &= (active == self._active[step + 1][self._others]).all(axis=1)
-            yield choices, commands, counts
+            caught = np.flatnonzero(counts & (engine.parts[:, seat, _CATCH] > 0.0)).tolist()
+            target_by_row = {row: {ruling.hunter: ruling.target for ruling in engine.rulings(row)} for row in caught}
+            yield choices, commands, [row for row in caught if target_by_row[row][seat] == self._contest.target]
 
-    def _deviation(self, win: _Win) -> float:
-        """Return the sum of the differences from the recorded actions in a change's steps: of both parts of the
-        command, and 1 for another target.
+    def _deviation(self, change: _Change, steps: int) -> float:
+        """Return the sum of the differences from the recorded actions in a change's steps up to the catch: of both
+        parts of the command, and 1 for another target.
         """
         total = 0.0
-        for step in range(win.run.start, min(win.run.stop, win.steps)):
+        for step in range(change.run.start, min(change.run.stop, steps)):
             recorded = self._replay.commands[step][self.seat].tolist()
-            total += sum(abs(new - old) for new, old in zip(win.change[1:], recorded, strict=True) if new is not None)
-            total += win.change.goal not in (None, self._goals[step])
+            total += sum(abs(new - old) for new, old in zip(change.command, recorded, strict=True) if new is not None)
+            total += change.goal not in (None, self._goals[step])
         return total
 
-    def alternative(self, win: _Win) -> tuple[Replay, World]:
+    def alternative(self, change: _Change) -> tuple[Replay, World]:
         """Return the match with a change, up to the step of the catch, and its last world."""
-        old, begin = self._replay, win.run.start
+        old, begin = self._replay, change.run.start
         played, engine = old.copy(), Engine(old.config)
         for recorded in (played.choices, played.commands, played.prey_commands):
             del recorded[begin:]
         del played.digests[begin + 1 :], played.states[begin + 1 :]
-        played.withdrawals = [departure for departure in old.withdrawals if departure[0] < win.steps]
-        played.named_requests = [request for request in old.named_requests if request.step < begin]
-        for choices, commands, _ in islice(self._play(engine, win.run, [win.change]), win.steps - begin):
+        for choices, commands, won in self._play(engine, [change]):
             played.append(choices[0], commands[0], engine)
+            if won:
+                break
+        played.withdrawals = [departure for departure in old.withdrawals if departure[0] < played.steps]
+        played.named_requests = [request for request in old.named_requests if request.step < begin]
         return played, engine.world()
 
     def actions(self, alternative: Replay) -> dict[int, Action]:
@@ -338,17 +333,17 @@ class _Search:
 
     # in words
 
-    def is_earlier(self, win: _Win) -> bool:
+    def is_earlier(self, change: _Change) -> bool:
         """Return whether the hunter heads for the contested target from the run on, as it did after it."""
-        goals = {win.change.goal, *(self._goals[step] for step in range(win.run.stop, self._judged + 1))}
+        goals = {change.goal, *(self._goals[step] for step in range(change.run.stop, self._judged + 1))}
         return self._control == "target" and goals == {self._number}
 
-    def sentence(self, win: _Win, alternative: Replay) -> str:
+    def sentence(self, change: _Change, alternative: Replay) -> str:
         """Return a change in words."""
-        change, run = win.change, win.run
+        run = change.run
         begin, end, length = (seconds(steps * self._period_ms) for steps in (run.start, run.stop, len(run)))
         if self._control == "target":
-            if self.is_earlier(win):
+            if self.is_earlier(change):
                 return f"{length} earlier: head for {self.target} at {begin} instead of {end}"
             new = f"head for {self._called(change.goal)}" if change.goal else "hold"
             former = dict.fromkeys(self._goals[step] for step in run)
@@ -365,12 +360,12 @@ class _Search:
         limits = np.array((config.max_speeds[self.seat], config.max_turn_rates[self.seat]))
         commands = np.array([self._replay.commands[step][self.seat] for step in run]) * limits
         average = "" if (commands == commands[0]).all() else " on average"
-        (speed, turn), parts = commands.mean(axis=0).tolist(), []
-        if change.linear is not None:
-            new, old = _distinct(change.linear * limits[0], speed)
+        (speed, turn), (linear, angular), parts = commands.mean(axis=0).tolist(), change.command, []
+        if linear is not None:
+            new, old = _distinct(linear * limits[0], speed)
             parts.append(f"drive at {new} m/s instead of {old} m/s{average}")
-        if change.angular is not None:
-            rate = change.angular * limits[1]
+        if angular is not None:
+            rate = angular * limits[1]
             new, old = _distinct(abs(rate), abs(turn))
             parts.append(f"turn {_turn(rate, new)} instead of {_turn(turn, old)}{average}")
         if change.goal is not None:
