@@ -8,7 +8,6 @@ import msgspec
 
 from catch_arena.explanation import explain
 from catch_arena.explanation.formatting import seconds
-from catch_arena.explanation.sentences import capture_sentence, contest_sentence, refusals_sentence
 from catch_arena.player import packed_text
 from catch_arena.player.bundle import encode_bundle
 from catch_arena.replay import Replay
@@ -130,7 +129,7 @@ def _worst_moment(replay: Replay, seat: int) -> tuple[int, str]:
         if not match.captures:
             return 0, "It was never caught in this match."
         capture = min(match.captures, key=lambda one: one.in_play_ms)
-        return capture.judged_ms, capture_sentence(capture, match)
+        return capture.judged_ms, match.sentence(capture)
     lost = {
         claim.distance_um or 0: contest
         for contest in match.contests
@@ -139,10 +138,10 @@ def _worst_moment(replay: Replay, seat: int) -> tuple[int, str]:
     }
     if match.refusals and sum(match.records[0].refused.values()) > len(lost):
         run = max(match.refusals, key=lambda one: one.times)
-        return run.first_ms, refusals_sentence(run, match)
+        return run.first_ms, match.sentence(run)
     if lost:
         contest = lost[max(lost)]
-        return contest.judged_ms, contest_sentence(contest, match.names, match.prey_by_target.get(contest.target))
+        return contest.judged_ms, match.sentence(contest)
     caught = [catch.judged_ms for catch in match.catches if catch.seat == seat]
     start, end = max(pairwise([0, *caught, replay.duration_ms]), key=lambda gap: gap[1] - gap[0])
     return start, f"From {seconds(start)} to {seconds(end)} it catches nothing, its longest wait in this match."

@@ -3,7 +3,7 @@
 - match_summary: a whole match. step_explanation: one step in detail. highlights: moments worth seeing.
 - what_if: the smallest change of actions with which a lost contest would have been won.
 - facts: the data of explanations. contests: contests of a step. seen_targets: targets in sight.
-- sentences: facts in words, with formatting for lengths and times. seats: labels of agents, and selection by name.
+- sentences: parts of the words, with formatting for lengths and times. seats: labels of agents, and selection by name.
 """
 
 from catch_arena.explanation.facts import Capture as Capture

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
+from typing import Any, Final
 
 from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.contests import contests_of
@@ -18,20 +18,30 @@ from catch_arena.explanation.facts import (
     TeamSummary,
     json_ready,
 )
-from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, team_label
+from catch_arena.explanation.formatting import metres, seconds
+from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, team_label, with_seat
 from catch_arena.explanation.seen_targets import unseen_targets
 from catch_arena.explanation.sentences import (
-    capture_sentence,
+    EMPTY_RANK,
     contest_sentence,
-    no_contest_sentence,
-    opening_sentence,
+    counted,
+    from_distance,
+    listed,
     prey_sentence,
-    refusals_sentence,
     summary_sentence,
+    target_label,
+    verdict_phrase,
 )
 from catch_arena.replay import Replay
+from catch_arena.replay.named_requests import describe_name
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
+
+_CONTEST_RULES: Final[dict[ArbitrationPolicy, str]] = {
+    "nearest": "Contests go to the nearest hunter (R5.4)",
+    "first_come": "Contests go to the hunter with the lowest lot of the step (R5.9)",
+    "capstone": "The capstone's service grants every request (R9.1)",
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,15 +86,68 @@ class Explanation:
         """Return the match in words: an opening line, the contests, runs of refusals and captures in order, and the
         summaries of the hunters and prey, with an empty line between these parts.
         """
-        prey = self.prey_by_target
-        events = [(fact.step, 0, contest_sentence(fact, self.names, prey.get(fact.target))) for fact in self.contests]
-        events += [(run.first_step, 1, refusals_sentence(run, self)) for run in self.refusals]
-        events += [(fact.step, 2, capture_sentence(fact, self)) for fact in self.captures]
+        events = [(fact.step, 0, self.sentence(fact)) for fact in self.contests]
+        events += [(run.first_step, 1, self.sentence(run)) for run in self.refusals]
+        events += [(fact.step, 2, self.sentence(fact)) for fact in self.captures]
         found = [text for _, _, text in sorted(events)]
         if not self.contests:
-            found.append(no_contest_sentence(self))
+            found.append(self._no_contest())
         summaries = [*(summary_sentence(fact, self.policy) for fact in self.records), *map(prey_sentence, self.prey)]
-        return [opening_sentence(self), "", *found, "", *summaries]
+        return [self._opening(), "", *found, "", *summaries]
+
+    def sentence(self, fact: Contest | Refusals | Capture) -> str:
+        """Return one contest, run of refusals or capture in words."""
+        if isinstance(fact, Contest):
+            return contest_sentence(fact, self.names, self.prey_by_target.get(fact.target))
+        return self._refusals(fact) if isinstance(fact, Refusals) else self._capture(fact)
+
+    def _opening(self) -> str:
+        """Return the length of the match, its rule for contests, and the catches of each team and hunter, in words."""
+        heading = f"{self.title}: " if self.title else ""
+        sums = [f"{team.name} {team.score}" for team in sorted(self.teams, key=lambda team: team.rank)]
+        of_teams = f"Teams (R11.1): {listed(sums)}. " if sums else ""
+        length = f"{counted(self.steps, 'step')}, {seconds(self.duration_ms)}"
+        caught = zip(self.names, self.scores, strict=True)
+        catches = listed(f"{with_seat(name, seat)} {score}" for seat, (name, score) in enumerate(caught))
+        needed = f"A catch needs {self.hunters_per_catch} hunters of one team (R5.10). "
+        rules = f"{_CONTEST_RULES[self.policy]}. {needed if self.hunters_per_catch > 1 else ''}"
+        return f"{heading}{length}. {rules}{of_teams}Catches: {catches}."
+
+    def _no_contest(self) -> str:
+        if len(self.records) == len(self.names):
+            return "No contest: no target was requested by two hunters within reach in the same step."
+        sides = ("with", self.records), ("for", self.prey)
+        named = (f"{side} {listed(one.name for one in summaries)}" for side, summaries in sides if summaries)
+        return f"No contest {' or '.join(named)}."
+
+    def _refusals(self, run: Refusals) -> str:
+        """Return one run of refusals in words: times, hunter, target and reason."""
+        prey = self.prey_by_target.get(run.target or "")
+        if run.times == 1:
+            when, request_phrase = f"At {seconds(run.first_ms)} (step {run.first_step})", "asked"
+        else:
+            when = f"From {seconds(run.first_ms)} to {seconds(run.last_ms)} (steps {run.first_step} to {run.last_step})"
+            request_phrase = f"asked {run.times} times"
+        farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
+        place = f"{from_distance(run.nearest_um)}{farthest}"
+        if run.by_name:
+            target = describe_name(run.target)
+        else:
+            target = EMPTY_RANK if run.target is None else target_label(run.target, prey)
+            target += "," if prey is not None and place else ""
+        phrase = verdict_phrase(target, place, run.verdict, self.reaches_um[run.seat])
+        return f"{when} {self.names[run.seat]} {request_phrase} for {phrase}."
+
+    def _capture(self, capture: Capture) -> str:
+        """Return one capture of prey in words: the hunter, the distance, and the time of the return."""
+        after = "; it did not return"
+        if capture.returned_ms is not None:
+            after = f"; it returned at {seconds(capture.returned_ms)} as {capture.returned_as}"
+        hunter, prey = self.names[capture.seat], self.prey_names[capture.prey]
+        place = "" if capture.distance_um is None else f",{from_distance(capture.distance_um)}"
+        event = f"{hunter} caught {target_label(capture.target, prey)}{place}"
+        when = f"At {seconds(capture.judged_ms)} (step {capture.step})"
+        return f"{when} {event}, after {seconds(capture.in_play_ms)} in play{after} (R12.3)."
 
     def to_dict(self) -> dict[str, Any]:
         """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""

@@ -1,26 +1,35 @@
 """Explanation of one step: each agent's action, its requests, and the distances of all hunters to the targets."""
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any
+from typing import Any, Final
 
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
-from catch_arena.explanation.formatting import seconds
-from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels
-from catch_arena.explanation.seen_targets import unseen_targets
+from catch_arena.explanation.formatting import metres, seconds
+from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, with_seat
+from catch_arena.explanation.seen_targets import Unseen, unseen_targets
 from catch_arena.explanation.sentences import (
-    action_sentences,
+    EMPTY_RANK,
     contest_sentence,
-    distances_sentence,
-    prey_action_sentences,
+    counted,
+    from_distance,
+    listed,
+    target_label,
+    verdict_phrase,
 )
 from catch_arena.plain import as_python, real_number, whole_number
 from catch_arena.replay import Replay
+from catch_arena.replay.named_requests import describe_name
 from catch_arena.text import with_type
+from catch_arena.verdicts import Verdict
+
+_LEFT: Final = {"withdrawn": "It was withdrawn (R1.6)", "dropped out": "It had dropped out (R1.7)"}
+_MOST_UNSEEN: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,9 +63,9 @@ class StepExplanation:
         begin, end, prey = seconds(self.begin_ms), seconds(self.end_ms), self.prey_by_target
         return [
             f"Step {self.step}, from {begin} to {end}: requests are judged on the state at {begin} (R5.1).",
-            *(action_sentences(fact, self) for fact in self.hunters),
-            *(prey_action_sentences(fact, self.names) for fact in self.prey),
-            *(distances_sentence(target, self) for target in self.distances_um),
+            *map(self._action, self.hunters),
+            *map(self._prey_action, self.prey),
+            *map(self._distances, self.distances_um),
             *(contest_sentence(fact, self.names, prey.get(fact.target)) for fact in self.contests),
         ]
 
@@ -64,6 +73,75 @@ class StepExplanation:
         """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
         found: dict[str, Any] = json_ready(self)
         return found
+
+    def _action(self, hunter: HunterAction) -> str:
+        """Return one hunter's action in words, with its requests and the targets out of its sight."""
+        chosen = f" ({hunter.chosen})" if hunter.chosen else ""
+        name = with_seat(self.names[hunter.seat], hunter.seat)
+        sentences = [f"{name}, {hunter.control} control: {hunter.action}{chosen}."]
+        if hunter.out is not None:
+            sentences.append(f"{_LEFT[hunter.out]}.")
+        sentences.append(f"It requested {'; then '.join(self._requests(hunter)) or 'nothing'}.")
+        if hunter.unseen:
+            sentences.append(self._sight(hunter))
+        return " ".join(sentences)
+
+    def _requests(self, hunter: HunterAction) -> Iterator[str]:
+        reach_um = self.reaches_um[hunter.seat]
+        if (ruling := hunter.ruling) is not None:
+            winner = ""
+            if ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
+                mate = ", its own team-mate (R11.3)" if hunter.mate else ""
+                winner = f"; the winner is {self.names[ruling.winner]}{mate}"
+            target = EMPTY_RANK if ruling.target is None else str(ruling.target)
+            yield f"{verdict_phrase(target, from_distance(ruling.distance_um), ruling.verdict, reach_um)}{winner}"
+        for ruling in hunter.by_name:
+            name = describe_name(None if ruling.target is None else str(ruling.target))
+            yield verdict_phrase(name, from_distance(ruling.distance_um), ruling.verdict, reach_um)
+
+    def _sight(self, hunter: HunterAction) -> str:
+        """Return the targets out of a hunter's sight in words, the nearest first, with the reasons."""
+        limits = []
+        if self.view_radius_m is not None:
+            limits.append(f"nearer than {self.view_radius_m:g} m")
+        if self.view_angle_deg < 360.0:
+            limits.append(f"at most {self.view_angle_deg / 2.0:g} degrees off its heading")
+        shown = [_out_of_sight(target) for target in hunter.unseen[:_MOST_UNSEEN]]
+        if more := len(hunter.unseen) - len(shown):
+            shown.append(f"{more} more")
+        saw = f"{hunter.seen} of {counted(hunter.seen + len(hunter.unseen), 'target')}"
+        return f"It sees targets that are {listed(limits)} (R7.5): {saw}. Out of its sight: {'; '.join(shown)}."
+
+    def _prey_action(self, prey: PreyAction) -> str:
+        """Return one prey's action in words, with its capture and return."""
+        if prey.withdrawn:
+            parts = ["withdrawn (R12.5)."]
+        elif prey.target is None:
+            parts = ["out (R12.3)."]
+        else:
+            parts = [f"{prey.action}, as {prey.target}."]
+        if prey.caught_by is not None:
+            parts.append(f"It was caught by {self.names[prey.caught_by]} (R12.3).")
+        if prey.returned_as is not None:
+            parts.append(f"It returned as {prey.returned_as}.")
+        return f"{prey.name}: {' '.join(parts)}"
+
+    def _distances(self, target: str) -> str:
+        """Return the distance of every hunter to one target in words, the nearest first."""
+        ranked = sorted(
+            (distance, name, " (out of its sight)" if seat in self.out_of_sight[target] else "")
+            for seat, (distance, name) in enumerate(zip(self.distances_um[target], self.names, strict=True))
+        )
+        distances = listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
+        return f"Distances to {target_label(target, self.prey_by_target.get(target))}: {distances}."
+
+
+def _out_of_sight(target: Unseen) -> str:
+    why = ["too far"] if target.too_far else []
+    if target.outside_cone:
+        side = "to its rear" if target.off_heading_deg > 90.0 else "to its side"
+        why.append(f"{side}, {target.off_heading_deg:.1f} degrees off its heading")
+    return f"{target.target}, {metres(target.distance_um)} away, {' and '.join(why)}"
 
 
 def step_at(replay: Replay, at_s: float) -> int:

@@ -6,7 +6,6 @@ from typing import Final, NamedTuple
 
 from catch_arena.classroom.moments import Moment, lead, moment_of
 from catch_arena.explanation import explain
-from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.replay import Replay
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
@@ -59,8 +58,7 @@ def best_moment(replay: Replay, seat: int) -> Moment:
     caught = [catch for catch in match.catches if catch.seat == seat]
     if won:
         closest = min(won, key=lambda contest: contest.margin_um or 0)
-        text = contest_sentence(closest, match.names, match.prey_by_target.get(closest.target))
-        return moment_of(replay, seat, closest.judged_ms, text)
+        return moment_of(replay, seat, closest.judged_ms, match.sentence(closest))
     if caught:
         return moment_of(
             replay, seat, caught[-1].judged_ms, f"Catch {len(caught)} of {len(caught)}, without a contest."
