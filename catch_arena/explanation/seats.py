@@ -59,27 +59,22 @@ def find_subjects(replay: Replay, name: int | str | None) -> Subjects:
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
     config = replay.config
-    seats = tuple(range(config.hunters))
     if name is None:
-        return Subjects(seats, tuple(range(config.prey)))
-    if str(name) in map(str, seats):
-        return Subjects((int(name),), ())
-    if not isinstance(name, str) or name.isdecimal():
-        raise ConfigError(f"hunter must be a seat from 0 to {seats[-1]}, got {name!r}")
-    teams = {team_label(replay, members): members for members in config.teams or ()}
-    if name in teams:
-        return Subjects(teams[name], ())
-    # agents' names come first, since an agent may be called hunter_1 in another seat
-    for hunters, prey in (replay.hunter_names, replay.prey_names), (config.hunter_names, config.prey_names):
-        found = Subjects(_seats_named(hunters, name), _seats_named(prey, name))
-        if any(found):
-            return found
-    known = {*replay.hunter_names, *replay.prey_names, *config.hunter_names, *config.prey_names, *teams}
-    raise ConfigError(f"unknown hunter {name!r}: {suggest(name, known)}")
-
-
-def _seats_named(names: Sequence[str], wanted: str) -> tuple[int, ...]:
-    return tuple(index for index, name in enumerate(names) if name == wanted)
+        return Subjects(tuple(range(config.hunters)), tuple(range(config.prey)))
+    known: dict[str, Subjects] = {}
+    # agents' names come second, and replace others, since an agent may be called hunter_1 in another seat
+    for hunters, prey in (config.hunter_names, config.prey_names), (replay.hunter_names, replay.prey_names):
+        for agent in (*hunters, *prey):
+            named = (tuple(index for index, one in enumerate(side) if one == agent) for side in (hunters, prey))
+            known[agent] = Subjects(*named)
+    known |= {team_label(replay, seats): Subjects(seats, ()) for seats in config.teams or ()}
+    if isinstance(name, str) and not name.isdecimal():
+        if name not in known:
+            raise ConfigError(f"unknown hunter {name!r}: {suggest(name, known)}")
+        return known[name]
+    if str(name) not in map(str, range(config.hunters)):
+        raise ConfigError(f"hunter must be a seat from 0 to {config.hunters - 1}, got {name!r}")
+    return Subjects((int(name),), ())
 
 
 def find_seat(replay: Replay, hunter: int | str) -> int:
