@@ -156,15 +156,13 @@ def _leads(match: Explanation) -> Iterable[Highlight]:
     leader: int | None = None
     since_ms, names = 0, list(match.contenders)
     for at_ms, step in groupby(match.catches, key=lambda catch: catch.judged_ms):
-        made = list(step)
-        scores = made[-1].scores
-        new = next(
-            (catch.contender for catch in made if scores[catch.contender] > _best_other(scores, catch.contender)), None
-        )
+        *_, last = step
+        scores = last.scores
+        new = _sole_leader(scores)
         if new is None or new == leader:
             continue
         if leader is not None:
-            event = f"{names[new]} takes the lead, {scores[new]} : {_best_other(scores, new)}"
+            event = f"{names[new]} takes the lead, {scores[new]} : {sorted(scores)[-2]}"
             reason = f"{names[leader]}, which led from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
             yield _highlight("lead", (at_ms, match.duration_ms), at_ms, event, reason)
         leader, since_ms = new, at_ms
@@ -203,8 +201,8 @@ def _finish(match: Explanation) -> Iterable[Highlight]:
 def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight]:
     """Yield a highlight if the sole winner had won a smaller share of its other matches than the favourite."""
     names, scores = zip(*match.contenders.items(), strict=True)
-    winner = scores.index(max(scores))
-    if scores.count(scores[winner]) > 1 or not all(name in rates for name in match.entrants):
+    winner = _sole_leader(scores)
+    if winner is None or not rates.keys() >= set(match.entrants):
         return
     shares = [rates[name] for name in match.entrants]
     favourite = shares.index(max(shares))
@@ -212,7 +210,7 @@ def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight
         return
     at_ms = match.catches[-1].judged_ms
     for catch in reversed(match.catches):  # back to the catch after which the winner always leads alone
-        if catch.scores[winner] <= _best_other(catch.scores, winner):
+        if _sole_leader(catch.scores) != winner:
             break
         at_ms = catch.judged_ms
     event = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
@@ -238,6 +236,7 @@ def _highlight(
     return Highlight(kind, start_ms, decisive_ms, end_ms, SCORES[kind](*numbers), event, reason)
 
 
-def _best_other(scores: Sequence[int], contender: int) -> int:
-    """Return the best score of all but one contender; -1 if there is no other."""
-    return max((score for rival, score in enumerate(scores) if rival != contender), default=-1)
+def _sole_leader(scores: Sequence[int]) -> int | None:
+    """Return the contender with more catches than any other; None if several share the best score."""
+    best = max(scores)
+    return scores.index(best) if scores.count(best) == 1 else None

@@ -105,6 +105,8 @@ def test_an_exact_tie_tells_the_lots_of_the_tied(play):
     (line,) = [line for line in explain(match).lines() if "so the lowest lot decides (R5.5): " in line]
     assert all(f" away, lot {claim.lot:016x}" in line.replace("the same distance, ", "") for claim in tied)
     assert "the same distance" in line
+    (fact,) = [fact for fact in explain(match).to_dict()["contests"] if fact["step"] == tie.step]
+    assert [claim["lot"] for claim in fact["claims"] if claim["lot"]] == [f"{claim.lot:016x}" for claim in tied]
 
 
 def test_first_come_tells_the_lots_of_the_step(play):
