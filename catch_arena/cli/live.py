@@ -72,18 +72,20 @@ def watch(agents: Agents, *, window: Window) -> None:
 
 def _show(agents: list[str], window: Window, seat: str | None, record: Path | None, *, force: bool) -> None:
     """Play a match in a window: a person takes `seat`, if any, and the agents take the other seats in turn."""
-    from catch_arena.live.session import free_parties, line_up, show_match
+    from catch_arena.live.session import show_match
 
     config, quotas = window.config(), window.quotas()
     person = None if seat is None else _seat(seat, config, window.scenario)
-    free = len(free_parties(config, person))
-    if len(agents) > free:
+    parties = Parties.of(config)
+    free = [party for party, seats in enumerate(parties.seats) if seats != (person,)]
+    if len(agents) > len(free):
         seats = "free seat" if config.teams is None else "team and prey" if config.prey else "team"
         raise ConfigError(
-            f"number of agents must be at most {free}, one for each {seats} of {window.scenario}, got {len(agents)}"
+            f"number of agents must be at most {len(free)}, one for each {seats} of {window.scenario}, "
+            f"got {len(agents)}"
         )
-    players = enter_agents([agents[index % len(agents)] for index in range(free)], quotas)
-    lineup = line_up(config, players, person)
+    entered = enter_agents([agents[index % len(agents)] for index in range(len(free))], quotas)
+    entrants = dict(zip(free, entered, strict=True))
     if record is not None:
         output_file(record, REPLAY, force=force)
     else:
@@ -95,9 +97,9 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
         return str(target)
 
     seed = arena_seed(window.seed)
-    shown = show_match(config, seed, lineup, quotas, title=window.scenario, size=_SIZE, save=save)
+    shown = show_match(config, seed, entrants, person, quotas, title=window.scenario, size=_SIZE, save=save)
     print_logs(shown.names, shown.result.logs)
-    print_result(Parties.of(config), shown.result, shown.names)
+    print_result(parties, shown.result, shown.names)
     if record is not None:
         echo(f"replay: {save(shown.replay)}")
 
