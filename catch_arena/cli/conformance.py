@@ -74,7 +74,7 @@ def conformance(
     else:
         service.refuse()
         tried, made = None if arbiter is None else _function(arbiter), None if arena is None else _make(arena)
-        with progress_bar("cases", late=True) as show:
+        with progress_bar("cases") as show:
             report = run_conformance(
                 tried,
                 arena=made,

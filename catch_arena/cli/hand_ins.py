@@ -53,7 +53,7 @@ def check_agent(
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
     quotas = trust.quotas()
     errors = 0
-    with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
+    with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
         for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
             if number == 0:  # the agent could be entered, so its spec is valid
                 print_level(quotas, [resolve(agent).spec])

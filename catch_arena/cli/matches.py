@@ -191,7 +191,7 @@ def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int,
     from catch_arena.tournament.execution.cost import measure_cost
 
     cost = measure_cost(worker, plan)
-    with progress_bar("planning", late=True) as show:
+    with progress_bar("planning") as show:
         table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
     own_console(err=True).print(table)
 
@@ -284,7 +284,7 @@ def match(
         )
     drawn = arena_seed(seed)
     steps = count()
-    with sandbox_for(quotas) as sandbox, progress_bar("playing", late=True) as show:
+    with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
         result = play_entrants(
             config,
             drawn,

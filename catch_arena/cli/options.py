@@ -236,7 +236,7 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, 
     """
     from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 
-    with sandbox_for(quotas) as sandbox, progress_bar("loading agents", late=True) as show:
+    with sandbox_for(quotas) as sandbox, progress_bar("loading agents") as show:
         inspect, seen = inspector(sandbox), count(1)
 
         def inspect_next(spec: str) -> Inspection:

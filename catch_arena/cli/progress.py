@@ -16,7 +16,7 @@ _LATE_S: Final = 2.0
 
 
 @contextmanager
-def progress_bar(description: str, total: int | None = None, *, late: bool = False) -> Iterator[Callable[..., None]]:
+def progress_bar(description: str, total: int | None = None) -> Iterator[Callable[..., None]]:
     """Show the progress of work on stderr, and yield the function that reports it.
 
     The function is called with (done, total), and with a new description of the work if that changes. A terminal shows
@@ -24,8 +24,7 @@ def progress_bar(description: str, total: int | None = None, *, late: bool = Fal
 
     Args:
         description: the work, in a few words.
-        total: total amount of work; None if it is not known before.
-        late: True to show no bar on a terminal for work of less than two seconds.
+        total: total amount of work, if it is known before. Without it, the bar appears after two seconds.
     """
     console = own_console(err=True)
     began_s = last_line_s = time.monotonic()
@@ -48,7 +47,7 @@ def progress_bar(description: str, total: int | None = None, *, late: bool = Fal
             console.print(line, soft_wrap=True)
 
     try:
-        if console.is_terminal and not late:
+        if console.is_terminal and total is not None:
             bar.start()
         yield show
     finally:

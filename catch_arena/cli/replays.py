@@ -31,7 +31,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
             codes.append(EXIT_ERROR)
             echo(f"error: {error}", err=True)
             continue
-        with progress_bar("verifying", late=True) as show:
+        with progress_bar("verifying") as show:
             faults = verification.verify(replay, show)
         for fault in faults:
             echo(f"{path}: {fault}", err=True)
@@ -106,7 +106,7 @@ def explain(
     recorded = Replay.load(replay)
     if what_if and at is not None:
         contest = explanation.lost_contest_at(recorded, at, hunter)
-        with progress_bar("searching", late=True) as show:
+        with progress_bar("searching") as show:
             answer = explanation.what_if(recorded, contest, hunter, show)
         _print_paragraphs([answer.sentence])
         return
@@ -114,7 +114,7 @@ def explain(
         step = explanation.step_at(recorded, at)
     result: explanation.Explanation | explanation.StepExplanation
     if step is None:
-        with progress_bar("playing", late=True) as show:
+        with progress_bar("playing") as show:
             result = explanation.explain(recorded, hunter, show)
     else:
         result = explanation.explain_step(recorded, step, hunter)

@@ -37,7 +37,7 @@ def bag(
     folder = output or replay.with_suffix("")
     if folder.suffix.lower() in {".mcap", ".db3", ".replay"}:
         raise ConfigError(f"{folder}: --output must be a folder, without the ending {folder.suffix}")
-    with progress_bar("writing", late=True) as show:
+    with progress_bar("writing") as show:
         messages = export_bag(recorded, folder, storage, packages.types, force=force, progress=show)
     echo(f"bag: {folder} ({messages} messages)")
 
@@ -62,7 +62,7 @@ def import_(
     drawn = picture.arguments()
     if not listing:
         output_file(target, *VIDEO, force=force)
-    with progress_bar("reading", late=True) as show:
+    with progress_bar("reading") as show:
         contents = read_bag(bag, show)
     judged = judge_bag(contents, reach)
     for one in judged:

@@ -138,7 +138,7 @@ def render(
     drawn = picture.arguments()
     output_file(target, *VIDEO, PAGE, force=force)
     if what_if is not None:
-        with progress_bar("searching", late=True) as show:
+        with progress_bar("searching") as show:
             contest = explanation.lost_contest_at(recorded, what_if, hunter)
             part["what_if"] = explanation.what_if(recorded, contest, hunter, show)
         echo(part["what_if"].sentence)
@@ -297,7 +297,7 @@ def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | Non
     if not paths:
         raise ReplayError(f"{folder}: contains no replays (files that end in .replay)")
     found: dict[Path, _T] = {}
-    with progress_bar("reading", late=True) as show:
+    with progress_bar("reading") as show:
         for done, path in enumerate(paths, start=1):
             try:
                 found[path] = read(Replay.load(path))
