@@ -63,6 +63,30 @@ class Picture:
         return {**vars(self), "size": _width_and_height(self.size)}
 
 
+@dataclass(frozen=True)
+class Film(Picture):
+    """Options for the video of a match, or of a part of it."""
+
+    layout: Annotated[
+        Literal["broadcast", "arena"], typer.Option(help="Show the scores next to the arena, or the arena alone.")
+    ] = "broadcast"
+    speed: Speed = 1.0
+    start_s: Annotated[
+        float | None,
+        typer.Option(
+            "--from", metavar="SECONDS", help="Time in the match at which the video begins.", show_default="0"
+        ),
+    ] = None
+    end_s: Annotated[
+        float | None,
+        typer.Option("--to", metavar="SECONDS", help="Time in the match at which it ends.", show_default="the end"),
+    ] = None
+    view_of: Annotated[
+        str | None,
+        typer.Option(metavar="HUNTER", help="Show the view of this hunter, a seat or a name.", show_default="none"),
+    ] = None
+
+
 @main.command()
 def render(
     replay: Recorded,
@@ -75,25 +99,7 @@ def render(
         ),
     ] = None,
     force: Force = False,
-    picture: Picture,
-    layout: Annotated[
-        Literal["broadcast", "arena"], typer.Option(help="Show the scores next to the arena, or the arena alone.")
-    ] = "broadcast",
-    speed: Speed = 1.0,
-    start: Annotated[
-        float | None,
-        typer.Option(
-            "--from", metavar="SECONDS", help="Time in the match at which the video begins.", show_default="0"
-        ),
-    ] = None,
-    end: Annotated[
-        float | None,
-        typer.Option("--to", metavar="SECONDS", help="Time in the match at which it ends.", show_default="the end"),
-    ] = None,
-    view_of: Annotated[
-        str | None,
-        typer.Option(metavar="HUNTER", help="Show the view of this hunter, a seat or a name.", show_default="none"),
-    ] = None,
+    film: Film,
     what_if: Annotated[
         float | None,
         typer.Option(
@@ -120,11 +126,10 @@ def render(
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
-    part: dict[str, Any] = {"start_s": start, "end_s": end, "view_of": view_of}
     usual = replay.with_suffix(".mp4")
     if what_if is not None:
         usual = replay.with_name(f"{replay.stem}-what-if-{what_if:g}s.mp4")
-        if start is not None or end is not None:
+        if film.start_s is not None or film.end_s is not None:
             raise ConfigError(
                 "--from and --to must be left out with --what-if, which shows the part around the contest"
             )
@@ -132,22 +137,22 @@ def render(
         raise ConfigError("--hunter needs --what-if, the time of a contest that this hunter lost")
     target = output or usual
     paged = target.suffix.lower() == PAGE
-    is_usual = (picture, layout, speed, start, end, view_of) == (Picture(), "broadcast", 1.0, None, None, None)
-    if paged and not is_usual:
+    if paged and film != Film():
         raise ConfigError(f"{target}: options of a video must be left out for a page, whose player has controls")
-    drawn = picture.arguments()
+    drawn = film.arguments()
     output_file(target, *VIDEO, PAGE, force=force)
+    answer = None
     if what_if is not None:
         with progress_bar("searching") as show:
             contest = explanation.lost_contest_at(recorded, what_if, hunter)
-            part["what_if"] = explanation.what_if(recorded, contest, hunter, show)
-        echo(part["what_if"].sentence)
+            answer = explanation.what_if(recorded, contest, hunter, show)
+        echo(answer.sentence)
     if not paged:
-        _write_video(recorded, replay, target, **part, **drawn, layout=layout, speed=speed)
+        _write_video(recorded, replay, target, what_if=answer, **drawn)
         return
     from catch_arena.player import player_page
 
-    write_whole(target, player_page(recorded, part.get("what_if")).encode())
+    write_whole(target, player_page(recorded, answer).encode())
     echo(f"page: {target}")
 
 
