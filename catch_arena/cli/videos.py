@@ -164,9 +164,8 @@ def clip(
     seconds: Annotated[float, typer.Option(metavar="SECONDS", help="Length of the clip.")] = 8.0,
     output: Annotated[Path | None, output_option(VIDEO_HELP, "an MP4 file next to the replay")] = None,
     force: Force = False,
-    picture: Picture,
 ) -> None:
-    """Turn some seconds of a recorded match into a video."""
+    """Turn some seconds of a recorded match into a video; for one with other frames, use `render --from --to`."""
     from catch_arena.replay import Replay
 
     recorded = Replay.load(replay)
@@ -177,10 +176,9 @@ def clip(
         raise ConfigError(f"seconds must be positive, got {seconds:g}")
     start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
-    drawn = picture.arguments()
     output_file(target, *VIDEO, force=force)
     end = min(whole_s, start + seconds)
-    _write_video(recorded, replay, target, start_s=start, end_s=end, **drawn)
+    _write_video(recorded, replay, target, start_s=start, end_s=end)
 
 
 def _write_video(recorded: "Replay", path: Path, target: Path, **options: Any) -> None:

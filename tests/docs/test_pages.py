@@ -36,7 +36,6 @@ SMALLER = {
     "league": ("--set", "time_limit_s=8", "--max-matches", "4", "--limit", "step_ms=60", "--limit", "bank_s=1"),
     "grade": ("--limit", "step_ms=60", "--limit", "bank_s=0.2"),
     "render": ("--size", "320x320", "--fps", "2"),
-    "clip": ("--size", "320x320", "--fps", "2"),
     "highlights": ("--size", "320x320", "--fps", "2"),
     "ros serve": ("--set", "time_limit_s=5"),
 }
