@@ -1,6 +1,6 @@
 """`catch-arena tournament` and `match`: matches of agents."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from itertools import count
 from pathlib import Path
@@ -31,7 +31,7 @@ from catch_arena.policy import Side
 from catch_arena.seeding import arena_seed
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
-from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
@@ -312,25 +312,23 @@ def print_result(parties: Parties, result: MatchResult, names: Sequence[str]) ->
     """Print the result of a match by side: ranks, scores, forfeits, and the catches of a team's hunters."""
     from catch_arena.explanation.seats import with_seat
 
-    shown = []
+    rows = []
     for party, (name, seats) in enumerate(zip(names, parties.seats, strict=True)):
         if parties.side_of(party) == "prey":
-            shown.append(f"{name} (prey_{party - parties.hunting})")
+            shown = f"{name} (prey_{party - parties.hunting})"
         elif result.catches:
-            shown.append(f"{name} ({' + '.join(f'hunter_{seat} {result.catches[seat]}' for seat in seats)})")
+            shown = f"{name} ({' + '.join(f'hunter_{seat} {result.catches[seat]}' for seat in seats)})"
         else:
-            shown.append(with_seat(name, seats[0]))
+            shown = with_seat(name, seats[0])
+        forfeit = result.forfeits[party]
+        rows.append((result.ranks[party], result.scores[party], f"{shown}: {forfeit}" if forfeit else shown))
     for side in parties.sides:
-        cut = parties.on(side)
         if side == "prey":
             echo("prey, by number of times caught:")
-        print_ranking(result.ranks[cut], result.scores[cut], shown[cut], result.forfeits[cut])
+        print_ranking(rows[parties.on(side)])
 
 
-def print_ranking(
-    ranks: Sequence[int], scores: Sequence[int], names: Sequence[str], forfeits: Sequence[Forfeit | None]
-) -> None:
-    """Print the ranks and scores of one match, and the forfeits."""
-    lines = zip(ranks, scores, names, forfeits, strict=True)
-    for rank, score, name, forfeit in sorted(lines, key=lambda line: line[0]):
-        echo(f"{rank:>3}  {score:>3}  {name}" + (f": {forfeit}" if forfeit else ""))
+def print_ranking(rows: Iterable[tuple[int, int, str]]) -> None:
+    """Print the rank, the score and the name in each row, the best first."""
+    for rank, score, name in sorted(rows, key=lambda row: row[0]):
+        echo(f"{rank:>3}  {score:>3}  {name}")

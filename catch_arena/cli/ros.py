@@ -88,28 +88,19 @@ def serve(
 
     `catch-arena docs ros2` has an example.
     """
-    from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
     from catch_arena.ros.nodes.serving import serve_match
 
     seats = _seats(seat or [])
-    config = _arena(scenario, settings, seats)
-    if seats and max(seats) >= config.hunters:
-        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario or EXERCISE}, got {max(seats)}")
-    values = parameters_from(
-        ros_args or (), {SPAWN_FREQUENCY: float(config.spawn_frequency_hz), NAME_PREFIX: config.name_prefix}
-    )
-    config = config.replace(spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=values[NAME_PREFIX])
-    words = {number: driver.partition(":")[::2] for number, driver in seats.items()}
-    nodes = {number: word_and_name for number, word_and_name in words.items() if word_and_name[0] in {NODE, HUMAN}}
-    specs = {number: driver for number, driver in sorted(seats.items()) if number not in nodes}
+    config = _with_parameters(_arena(scenario, settings, seats), ros_args)
+    agents = {number: driver for number, driver in sorted(seats.items()) if not _is_node(driver)}
     quotas = trust.quotas()
     if record is not None:
         output_file(record, REPLAY, force=force)
     if scenario is None:
         echo(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
-    entrants = dict(zip(specs, enter_agents(list(specs.values()), quotas), strict=True)) if specs else {}
+    entrants = dict(zip(agents, enter_agents(list(agents.values()), quotas), strict=True)) if agents else {}
     names = [
-        entrants[number].name if number in entrants else nodes.get(number, (NODE, ""))[1] or f"node_{number}"
+        entrants[number].name if number in entrants else seats.get(number, NODE).partition(":")[2] or f"node_{number}"
         for number in range(config.hunters)
     ]
     served = serve_match(
@@ -119,7 +110,7 @@ def serve(
         entrants,
         quotas,
         names=names,
-        people=[number for number, (word, _) in nodes.items() if word == HUMAN],
+        people=[number for number, driver in seats.items() if driver.partition(":")[0] == HUMAN],
         interfaces=bus.types,
         speed=speed,
         record=record,
@@ -209,20 +200,13 @@ def spawner(
     With several turtles, each calls its own service, for example /turtle2/catch_turtle.
     """
     from catch_arena.core.physics import DT
-    from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
+    from catch_arena.ros.nodes.parameters import NAME_PREFIX
     from catch_arena.ros.nodes.rate import Rate
     from catch_arena.ros.nodes.spawner import Spawner
 
     turtles = tuple(dict.fromkeys(checked_turtle("--turtle", name) for name in turtle or ("turtle1",)))
-    config = SCENARIOS["capstone"]
-    values = parameters_from(
-        ros_args or (), {SPAWN_FREQUENCY: config.spawn_frequency_hz, NAME_PREFIX: config.name_prefix}
-    )
-    config = config.replace(
-        reach_m=reach,
-        spawn_frequency_hz=values[SPAWN_FREQUENCY],
-        name_prefix=checked_turtle(NAME_PREFIX, str(values[NAME_PREFIX])),
-    )
+    config = _with_parameters(SCENARIOS["capstone"].replace(reach_m=reach), ros_args)
+    checked_turtle(NAME_PREFIX, config.name_prefix)
     with bus.joined("turtle_spawner") as joined:
         node = Spawner(joined, turtles, joined.interfaces(bus.types), config, seed=arena_seed(None), log=echo)
         rate = Rate(DT)
@@ -263,6 +247,16 @@ def doctor(*, bus: Bus) -> None:
     echo("no problem found")
 
 
+def _with_parameters(config: ArenaConfig, ros_args: list[str] | None) -> ArenaConfig:
+    """Return the settings with the parameters of the exercise's spawner that --ros-args has."""
+    from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
+
+    values = parameters_from(
+        ros_args or (), {SPAWN_FREQUENCY: float(config.spawn_frequency_hz), NAME_PREFIX: config.name_prefix}
+    )
+    return config.replace(spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=values[NAME_PREFIX])
+
+
 def checked_turtle(setting: str, name: str) -> str:
     """Return a turtle's name, or its beginning, if it is valid: an invalid name ends turtlesim.
 
@@ -278,14 +272,17 @@ def _print_ranking(served: "Served", config: ArenaConfig) -> None:
     """R6.1, R11.1: Print the ranking by hunter, or by team with the catches of each of its hunters."""
     from catch_arena.explanation.seats import with_seat
 
-    shown = [with_seat(name, number) for number, name in enumerate(served.names)]
-    parties = Parties.of(config).seats
-    names = [
-        " + ".join(f"{shown[seat]} {served.scores[seat]}" for seat in seats) if len(seats) > 1 else shown[seats[0]]
-        for seats in parties
-    ]
-    scores = [sum(served.scores[seat] for seat in seats) for seats in parties]
-    print_ranking([served.ranks[seats[0]] for seats in parties], scores, names, (None,) * len(names))
+    rows = []
+    for seats in Parties.of(config).seats:
+        shown = [with_seat(served.names[seat], seat) for seat in seats]
+        scores = [served.scores[seat] for seat in seats]
+        team = " + ".join(f"{name} {score}" for name, score in zip(shown, scores, strict=True))
+        rows.append((served.ranks[seats[0]], sum(scores), team if len(seats) > 1 else shown[0]))
+    print_ranking(rows)
+
+
+def _is_node(driver: str) -> bool:
+    return driver.partition(":")[0] in {NODE, HUMAN}
 
 
 def _seats(options: list[str]) -> dict[int, str]:
@@ -303,7 +300,7 @@ def _seats(options: list[str]) -> dict[int, str]:
             raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {driver}")
         if fault := name_fault(driver):
             raise ConfigError(f"--seat {number}: {fault}")
-        if driver.partition(":")[0] not in {NODE, HUMAN}:
+        if not _is_node(driver):
             try:
                 resolve(driver)
             except AgentError as error:
@@ -315,18 +312,16 @@ def _seats(options: list[str]) -> dict[int, str]:
 
 
 def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[int]) -> ArenaConfig:
-    keys = [setting.partition("=")[0] for setting in settings or ()]
-    for key in keys:
+    for setting in settings or ():
+        key = setting.partition("=")[0]
         if key in _OWN_SETTINGS:
             raise ConfigError(f"--set {key}=... must be left out: {_OWN_SETTINGS[key]}")
-    if scenario is not None:
-        return arena(scenario, settings)
-    config = arena(EXERCISE, [f"hunters={max(seats, default=0) + 1}", *(settings or ())])
-    left_out = set(range(max(seats, default=0))) - set(seats)
-    if left_out and "hunters" not in keys:
-        seat = min(left_out)
-        raise ConfigError(
-            f"--seat {seat} must be given too, such as {seat}={NODE}: without --scenario and --set hunters=..., "
-            "there is one hunter for each --seat"
-        )
+    if scenario is None:
+        config = arena(EXERCISE, [f"hunters={len(seats) or 1}", *(settings or ())])
+        why = ": without --scenario and --set hunters=..., there is one hunter for each --seat"
+    else:
+        config, why = arena(scenario, settings), ""
+    if max(seats, default=0) >= config.hunters:
+        seat = f"--seat must be from 0 to {config.hunters - 1} in {scenario or EXERCISE}"
+        raise ConfigError(f"{seat}, got {max(seats)}{why}")
     return config
