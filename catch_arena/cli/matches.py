@@ -23,8 +23,8 @@ from catch_arena.cli.options import (
     print_seed,
 )
 from catch_arena.cli.outputs import REPLAY, Force, output_file, output_option, require_free
-from catch_arena.cli.progress import noting_kept_results, progress_bar
-from catch_arena.cli.terminal import echo, own_console, shown
+from catch_arena.cli.progress import noting_kept_results, progress_bar, progress_of_matches
+from catch_arena.cli.terminal import echo, own_console
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.files import prepare_folder, require_folder
 from catch_arena.policy import Side
@@ -37,9 +37,8 @@ from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 if TYPE_CHECKING:  # heavy
-    from catch_arena.tournament.execution.executors import Executor
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.plans.schedule import FixedPlan, Plan
+    from catch_arena.tournament.plans.schedule import FixedPlan
     from catch_arena.tournament.plans.until_separated import UntilSeparated
     from catch_arena.tournament.statistics.standings import Standing
 
@@ -71,6 +70,7 @@ def tournament(
     max_matches: Annotated[
         int | None,
         typer.Option(
+            min=1,
             help="Maximum number of matches in a round; with --until-separated, in all rounds together.",
             show_default="20000; 10000 with --until-separated",
         ),
@@ -103,7 +103,7 @@ def tournament(
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
     from catch_arena.report import write_report
-    from catch_arena.tournament.execution.runner import LOGS, REPLAYS
+    from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import FixedPlan, require_enough
     from catch_arena.tournament.standings_files import write_standings
@@ -131,14 +131,14 @@ def tournament(
     def kept() -> str:
         with Store.read(out) as store:  # a separate connection: any thread may call this
             played = store.count_played()
-        return shown(f"{played} of {size} matches are kept in {out}; the same command with --resume goes on")
+        return f"{played} of {size} matches are kept in {out}; the same command with --resume goes on"
 
     with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
         echo(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
         print_missing_prey(entrants, config)
         with noting_kept_results(kept):
-            with cores.of(worker) as ready:
-                _play_tournament(store, plan, ready, max_forfeits)
+            with cores.of(worker) as ready, progress_of_matches(plan.size) as on_results:
+                play_plan(store, plan, ready, max_forfeits=max_forfeits, on_results=on_results)
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)
@@ -169,20 +169,17 @@ def _plan(
     from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, plan_of
     from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
 
-    if until_separated is None:
-        most = MOST_IN_A_ROUND if max_matches is None else max_matches
-        plan = plan_of(form, len(entrants), parties, rounds, secret, most)
-        if max_matches is not None and (a_round := plan.size // int(plan.parameters["rounds"])) > max_matches:
-            raise ConfigError(f"--max-matches must be at least {a_round}, the matches of one round, got {max_matches}")
-        return plan
-    budget = BUDGET if max_matches is None else max_matches
-    return UntilSeparated(
-        entrants,
-        until_separated,
-        budget,
-        lambda number: plan_of(form, len(entrants), parties, number, secret, budget),
-        parties,
-    )
+    most = max_matches or (MOST_IN_A_ROUND if until_separated is None else BUDGET)
+
+    def plan_with(number: int | None) -> "FixedPlan":
+        return plan_of(form, len(entrants), parties, number, secret, most)
+
+    if until_separated is not None:
+        return UntilSeparated(entrants, until_separated, most, plan_with, parties)
+    plan = plan_with(rounds)
+    if max_matches is not None and (a_round := plan.size // int(plan.parameters["rounds"])) > max_matches:
+        raise ConfigError(f"--max-matches must be at least {a_round}, the matches of one round, got {max_matches}")
+    return plan
 
 
 def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int, max_forfeits: int) -> None:
@@ -194,21 +191,6 @@ def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int,
     with progress_bar("planning") as show:
         table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
     own_console(err=True).print(table)
-
-
-def _play_tournament(store: Store, plan: "Plan", executor: "Executor", max_forfeits: int) -> None:
-    """Play the matches that are not in the store yet, with a progress bar."""
-    from catch_arena.tournament.execution.runner import play_plan
-
-    with progress_bar("playing", plan.size) as show:
-        done = 0
-
-        def on_results(more: Sequence[object]) -> None:
-            nonlocal done
-            done += len(more)
-            show(done, plan.size)
-
-        play_plan(store, plan, executor, max_forfeits=max_forfeits, on_results=on_results)
 
 
 def _require_free_folder(out: Path, parties: Parties, *, recorded: bool, force: bool) -> None:

@@ -1,14 +1,14 @@
 """Progress of long work: a bar on a terminal, a line every few seconds elsewhere, and a line if it is interrupted."""
 
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sized
 from contextlib import contextmanager
 from typing import Final
 
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from catch_arena import interrupts
-from catch_arena.cli.terminal import own_console
+from catch_arena.cli.terminal import own_console, shown
 from catch_arena.errors import MatchFailedError, OutputError, StoreError
 
 _LINE_EVERY_S: Final = 5.0
@@ -56,9 +56,23 @@ def progress_bar(description: str, total: int | None = None) -> Iterator[Callabl
 
 
 @contextmanager
+def progress_of_matches(total: int) -> Iterator[Callable[[Sized], None]]:
+    """Show the progress of matches, and yield the function that takes further results as they come."""
+    done = 0
+    with progress_bar("playing", total) as show:
+
+        def add(results: Sized) -> None:
+            nonlocal done
+            done += len(results)
+            show(done, total)
+
+        yield add
+
+
+@contextmanager
 def noting_kept_results(kept: Callable[[], str]) -> Iterator[None]:
     """Append the text of `kept`, which says what is kept, to the line about an interrupt or an error."""
-    interrupts.add_to_message(kept)
+    interrupts.add_to_message(lambda: shown(kept()))
     try:
         yield
     except (MatchFailedError, OutputError, StoreError) as error:
