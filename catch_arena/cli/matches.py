@@ -37,7 +37,6 @@ from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 if TYPE_CHECKING:  # heavy
-    from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import FixedPlan
     from catch_arena.tournament.plans.until_separated import UntilSeparated
     from catch_arena.tournament.statistics.standings import Standing
@@ -102,6 +101,7 @@ def tournament(
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
+    from catch_arena.cli.tables import plan_table
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
@@ -125,7 +125,7 @@ def tournament(
     new = not (out / STORE).exists()
     if new:
         _require_free_folder(out, parties, recorded=record, force=force)
-        _print_plan(plan, worker, jobs, max_forfeits)
+        own_console(err=True).print(plan_table(plan, worker, jobs, max_forfeits))
     prepare_folder(out / REPLAYS if record else out)
 
     def kept() -> str:
@@ -180,17 +180,6 @@ def _plan(
     if max_matches is not None and (a_round := plan.size // int(plan.parameters["rounds"])) > max_matches:
         raise ConfigError(f"--max-matches must be at least {a_round}, the matches of one round, got {max_matches}")
     return plan
-
-
-def _print_plan(plan: "FixedPlan | UntilSeparated", worker: "Worker", jobs: int, max_forfeits: int) -> None:
-    """Print the plan, and its cost after some matches that are not kept."""
-    from catch_arena.cli.tables import plan_table
-    from catch_arena.tournament.execution.cost import measure_cost
-
-    cost = measure_cost(worker, plan)
-    with progress_bar("planning") as show:
-        table = plan_table(plan, worker, cost, jobs, max_forfeits, show)
-    own_console(err=True).print(table)
 
 
 def _require_free_folder(out: Path, parties: Parties, *, recorded: bool, force: bool) -> None:

@@ -1,17 +1,18 @@
 """Tables of the standings and of a plan's cost, for a terminal of usually 80 columns, or a file."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from datetime import timedelta
 from typing import Final
 
 from rich.filesize import decimal
 from rich.table import Table
 
+from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import plain_table
 from catch_arena.policy import Side
 from catch_arena.tournament.agent_spec import is_shipped
-from catch_arena.tournament.execution.cost import Cost, match_counts
+from catch_arena.tournament.execution.cost import Cost, match_counts, measure_cost
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FixedPlan, Plan
@@ -65,16 +66,16 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
     return shown
 
 
-def plan_table(
-    plan: Plan, worker: Worker, cost: Cost | None, jobs: int, max_forfeits: int, progress: Callable[[int, int], None]
-) -> Table:
-    """Return the plan and, if known, its cost; `progress` is called with (counted, all) matches."""
+def plan_table(plan: Plan, worker: Worker, jobs: int, max_forfeits: int) -> Table:
+    """Return the plan and, if some matches that are not kept can be played, its cost."""
+    cost = measure_cost(worker, plan)
     shown = Table(box=None, show_header=False, pad_edge=False)
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
     most_matches = plan.size
     if isinstance(plan, FixedPlan):
-        played, met = match_counts(plan, len(worker.entrants), progress)
+        with progress_bar("planning") as show:
+            played, met = match_counts(plan, len(worker.entrants), show)
         most_matches = played[1]
         shown.add_row("an agent plays", f"{_number_range(*played)} matches")
         shown.add_row("a pair meets in", f"{_number_range(*met)} matches")
