@@ -1,7 +1,7 @@
 """`catch-arena report` and `export`: the page of a tournament, and a file with its matches for other tools."""
 
 from pathlib import Path
-from typing import Annotated, Literal, get_args
+from typing import Annotated, Final, Literal
 
 import typer
 
@@ -13,7 +13,8 @@ from catch_arena.errors import ConfigError
 from catch_arena.tournament.store import Store
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
-Format = Literal["jsonl", "csv", "parquet"]
+_FORMATS: Final = {".jsonl": "jsonl", ".csv": "csv", ".parquet": "parquet", ".json": "jsonl"}
+"""Formats of an export, by the ending of its file's name."""
 _MOST_MB = 1000
 
 
@@ -64,12 +65,12 @@ def export(
     *,
     output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")],
     form: Annotated[
-        Format | None,
+        Literal["jsonl", "csv", "parquet"] | None,
         typer.Option(
             "--format",
             metavar="FORMAT",
             help="jsonl has a line for each match; csv and parquet have a row for each seat of each match.",
-            show_default="the ending of FILE, or jsonl",
+            show_default="the ending of FILE",
         ),
     ] = None,
     force: Force = False,
@@ -81,12 +82,11 @@ def export(
     from catch_arena.tournament.export import export as write
 
     with Store.read(folder) as store:
-        ending = output.suffix.lower().removeprefix(".")
-        named = next((one for one in get_args(Format) if one == ending), None)
-        if form is not None and named not in {form, None}:
+        output_file(output, *_FORMATS, force=force)
+        named = _FORMATS[output.suffix.lower()]
+        if form not in {named, None}:
             raise ConfigError(
                 f"--format must match the ending of the file's name, or be left out, got {form} for {output.name}"
             )
-        output_file(output, *(f".{one}" for one in get_args(Format)), ".json", force=force)
-        write(store, form or named or "jsonl", output, timing=timing)
+        write(store, named, output, timing=timing)
         echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")
