@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
+from itertools import chain, count
 from pathlib import Path
 from typing import Annotated, Any, Final
 
@@ -63,35 +64,28 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
         OutputError: if the file cannot be written, or exists already.
     """
     if path is None:
-        return _first_free(Path(usual).absolute(), force=force)
+        path = Path(usual).absolute()
+        prepare_folder(path.parent)
+        others = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
+        return next(free for free in chain([path], others) if _reserve(free) or force)
     ending = path.suffix.lower()
     if ending not in endings:
         *first, last = endings
         wanted = f"{', '.join(first)} or {last}" if first else last
         raise ConfigError(f"{path}: the name must end in {wanted}, got {ending or 'no ending'}")
     prepare_folder(path.parent)
-    try:
-        _reserve(regular_file(path))
-    except FileExistsError:
+    if not _reserve(regular_file(path)):
         require_free(path, force=force)
-    except OSError as error:
-        raise unwritable(path, error) from None
     return path
 
 
-def _first_free(usual: Path, *, force: bool) -> Path:
-    prepare_folder(usual.parent)
-    free, number = usual, 1
-    while not force:
-        try:
-            _reserve(free)
-            break
-        except FileExistsError:
-            number += 1
-            free = usual.with_stem(f"{usual.stem}-{number}")
-    return free
-
-
-def _reserve(path: Path) -> None:
-    path.touch(exist_ok=False)
+def _reserve(path: Path) -> bool:
+    """Make an empty file, which blocks other commands, and return True; return False if the file exists."""
+    try:
+        path.touch(exist_ok=False)
+    except FileExistsError:
+        return False
+    except OSError as error:
+        raise unwritable(path, error) from None
     _RESERVED.append(path)
+    return True
