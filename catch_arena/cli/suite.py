@@ -1,6 +1,6 @@
 """`catch-arena suite`: measurement of an agent under a fixed protocol, so that papers can compare their numbers."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -15,7 +15,6 @@ from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_spec import is_shipped
 
 if TYPE_CHECKING:
-    from catch_arena.suite.contents import Suite
     from catch_arena.suite.measures import AgentMeasures
     from catch_arena.suite.references import Scores
     from catch_arena.tournament.statistics.intervals import Estimate
@@ -24,6 +23,8 @@ _KEY = """score: own catches / (own + the mean opponent's catches); 0.5 is level
 wins: matches won, ties shared; place: by rating, among itself and its opponents
 first: significantly better than each opponent; open: not decided yet"""
 
+_PARTS = {"training": False, "held out": True}
+"""Parts of a suite, each with whether its scenarios are held out."""
 _FIRST = {True: "yes", None: "open", False: "no"}
 
 
@@ -61,13 +62,16 @@ def suite(
     Opponents, matches, seeds and statistics are fixed, so that papers can compare their numbers
     (`catch-arena docs suite`).
     """
+    from json import dumps
+
     from catch_arena.cli.tables import duration
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
     from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
-    from catch_arena.suite.measures import measure
+    from catch_arena.suite.measures import DIGITS, facts_of, measure, over_training_runs
     from catch_arena.suite.references import references
     from catch_arena.tournament.execution.executors import usable_cores
     from catch_arena.tournament.isolation.playing import sandbox_for
+    from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     chosen = suite_called(name)
@@ -121,14 +125,23 @@ def suite(
     measured = [measure(evaluation) for evaluation in evaluations]
     for measures in measured:
         _show(measures, known)
+    method = {}
     if runs:
-        _show_runs(measured)
+        method = {part: over_training_runs(measured, held_out=held_out) for part, held_out in _PARTS.items()}
+        echo(f"training method, over {len(measured)} runs:")
+        for part, estimate in method.items():
+            echo(f"interquartile mean, {part}: {_figure(estimate)}")
+        if len(measured) < FEWEST_RUNS:
+            echo(f"an interval needs {FEWEST_RUNS} training runs")
     if not known:
         echo(f"there are no reference scores for {chosen.name} {chosen.digest}")
     if quick:
         echo("NOT the protocol: leave out --quick for figures that others can compare with")
     if json is not None:
-        write_whole(json, _json_text(chosen, measured, known, runs=runs).encode())
+        figures: dict[str, Any] = {"agents": [facts_of(chosen, measures, known) for measures in measured]}
+        if runs:
+            figures["method_iqm"] = {part.replace(" ", "_"): one.to_dict(DIGITS) for part, one in method.items()}
+        write_whole(json, f"{dumps(figures, indent=1)}\n".encode())
         echo(f"figures: {json}")
     echo(f"matches: {out}")
 
@@ -163,39 +176,10 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
     echo(f"gap, training minus held out: {_figure(measures.gap)}")
     echo(f"time: {measures.move_ms:.2f} ms per move")
     for name, scores in known.items():
-        parts = (("training", False), ("held out", True))
         figures = ", ".join(
-            f"{part} {_figure(measures.improvement(scores, held_out=held_out), 2)}" for part, held_out in parts
+            f"{part} {_figure(measures.improvement(scores, held_out=held_out), 2)}" for part, held_out in _PARTS.items()
         )
         echo(f"probability of improvement over {name}: {figures}")
-
-
-def _show_runs(measured: "Sequence[AgentMeasures]") -> None:
-    """Print the figures of a method, over its training runs."""
-    from catch_arena.suite.measures import over_training_runs
-    from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
-
-    echo(f"training method, over {len(measured)} runs:")
-    for part, held_out in (("training", False), ("held out", True)):
-        echo(f"interquartile mean, {part}: {_figure(over_training_runs(measured, held_out=held_out))}")
-    if len(measured) < FEWEST_RUNS:
-        echo(f"an interval needs {FEWEST_RUNS} training runs")
-
-
-def _json_text(
-    suite: "Suite", measured: "Sequence[AgentMeasures]", known: "Mapping[str, Scores]", *, runs: bool
-) -> str:
-    from json import dumps
-
-    from catch_arena.suite.measures import DIGITS, facts_of, over_training_runs
-
-    found: dict[str, Any] = {"agents": [facts_of(suite, measures, known) for measures in measured]}
-    if runs:
-        found["method_iqm"] = {
-            part: over_training_runs(measured, held_out=held_out).to_dict(DIGITS)
-            for part, held_out in (("training", False), ("held_out", True))
-        }
-    return dumps(found, indent=1) + "\n"
 
 
 def _figure(estimate: "Estimate", digits: int = 3) -> str:
