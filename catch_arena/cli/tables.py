@@ -1,7 +1,7 @@
 """Tables of the standings and of a plan's cost, for a terminal of usually 80 columns, or a file."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from datetime import timedelta
 from typing import Final
 
@@ -21,48 +21,38 @@ from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 
 _KEY: Final = """grp: members of a group do not differ significantly
-rating: points, 0 is the mean; score: catches per match
-wins: matches won, ties shared; cont.: contests won"""
-_MATES_KEY: Final = "\nmates: requests per match lost to a team-mate"
-_PREY_KEY: Final = """grp: members of a group do not differ significantly
-rating: points, 0 is the mean; caught: times per match
+rating: points, 0 is the mean; {score}
 wins: matches won, ties shared"""
 
 
 def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled: bool = False) -> Table:
     """Return the standings of a side, with margins of 95 % confidence."""
     hunts = side == "hunter"
-    with_mates = any(line.lost_to_mates for line in table)
-    forfeited = any(line.forfeits for line in table)
-    shown = plain_table(
-        *("#", "agent", "grp", "played", "rating", "score" if hunts else "caught", "wins"),
-        *["cont."] * hunts,
-        *["mates"] * with_mates,
-        *["forf."] * forfeited,
-        text="agent",
-        padding=(0, 1, 0, 0),
-        title={"hunter": "As hunters", "prey": "As prey"}[side] if titled else None,
-        caption="".join(
-            (_KEY if hunts else _PREY_KEY, _MATES_KEY * with_mates, "\nforf.: matches forfeited" * forfeited)
-        ),
-    )
+    key = _KEY.format(score="score: catches per match" if hunts else "caught: times per match")
+    columns: dict[str, Callable[[Standing], str]] = {
+        "#": lambda line: str(line.place),
+        "agent": lambda line: line.name,
+        "grp": lambda line: line.group,
+        "played": lambda line: str(line.matches),
+        "rating": lambda line: _with_margin(line.rating, "+.0f", 1),
+        "score" if hunts else "caught": lambda line: _with_margin(line.score, ".1f", 1),
+        "wins": lambda line: _with_margin(line.win_share, ".0f", 100) + " %",
+    }
+    if hunts:
+        key += "; cont.: contests won"
+        columns["cont."] = lambda line: (
+            "-" if math.isnan(line.contest_win_share) else f"{100 * line.contest_win_share:.0f} %"
+        )
+    if any(line.lost_to_mates for line in table):
+        key += "\nmates: requests per match lost to a team-mate"
+        columns["mates"] = lambda line: f"{line.lost_to_mates:.1f}"
+    if any(line.forfeits for line in table):
+        key += "\nforf.: matches forfeited"
+        columns["forf."] = lambda line: str(sum(line.forfeits.values()))
+    title = {"hunter": "As hunters", "prey": "As prey"}[side] if titled else None
+    shown = plain_table(*columns, text="agent", padding=(0, 1, 0, 0), title=title, caption=key)
     for line in table:
-        cells = [
-            str(line.place),
-            line.name,
-            line.group,
-            str(line.matches),
-            _with_margin(line.rating, "+.0f", 1),
-            _with_margin(line.score, ".1f", 1),
-            _with_margin(line.win_share, ".0f", 100) + " %",
-        ]
-        if hunts:
-            cells.append("-" if math.isnan(line.contest_win_share) else f"{100 * line.contest_win_share:.0f} %")
-        if with_mates:
-            cells.append(f"{line.lost_to_mates:.1f}")
-        if forfeited:
-            cells.append(str(sum(line.forfeits.values())))
-        shown.add_row(*cells, style="bold" if line.place == 1 else None)
+        shown.add_row(*(cell(line) for cell in columns.values()), style="bold" if line.place == 1 else None)
     return shown
 
 
