@@ -33,7 +33,6 @@ _Grading = tuple[Callable[[Submission], Graded], str, Executor]
 def grade_folder(
     exercise: GradingSpec,
     folder: Path,
-    spec: Path,
     students: ClassOptions,
     trust: Trust,
     service: NodeUnderTestOptions,
@@ -42,16 +41,16 @@ def grade_folder(
 ) -> bool:
     """Grade all submissions in a folder, write the results, and return whether all could be graded."""
     submissions, others = find_submissions(folder)
-    out = students.out or Path(f"{folder.absolute().name}_{spec.stem}_grades").absolute()
+    out = students.out or Path(f"{folder.absolute().name}_{exercise.path.stem}_grades").absolute()
     if out.resolve().is_relative_to(folder.resolve()):
         raise ConfigError(f"--out must be outside of the submissions' folder, got {out}")
     if not (out / KEPT).is_dir():
         require_free(out / MARKS, force=force)
     if students.ros:
-        grade_one, key, opened = _node_grading(exercise, spec, students, service)
+        grade_one, key, opened = _node_grading(exercise, students, service)
     else:
         service.refuse()
-        grade_one, key, opened = _agent_grading(exercise, spec, students, trust, len(submissions))
+        grade_one, key, opened = _agent_grading(exercise, students, trust, len(submissions))
     for other in others:
         echo(f"warning: {folder / other} is no submission, and is not graded", err=True)
     deadline = None if students.deadline is None else students.deadline.astimezone()
@@ -81,35 +80,35 @@ def grade_folder(
     return not any(one.fault for one in graded.values())
 
 
-def _agent_grading(
-    exercise: GradingSpec, spec: Path, students: ClassOptions, trust: Trust, submissions: int
-) -> _Grading:
+def _agent_grading(exercise: GradingSpec, students: ClassOptions, trust: Trust, submissions: int) -> _Grading:
     """Return the function that grades an agent, the digest of what it depends on, and the executor for it."""
     quotas = trust.quotas()
     if quotas is None:
         raise ConfigError("--trusted must be left out with a class: one submission that hangs would stop all others")
     if not exercise.has_seed:
-        raise ConfigError(f"{spec}: a class needs seed or seed_file, so that all students play the same matches")
+        raise ConfigError(
+            f"{exercise.path}: a class needs seed or seed_file, so that all students play the same matches"
+        )
     jobs = min(students.jobs or usable_cores(), submissions)
     with sandbox_for(quotas) as sandbox:
-        rivals = enter_opponents(exercise, spec, inspector(sandbox))
+        rivals = enter_opponents(exercise, inspector(sandbox))
     print_level(quotas, ["a submission"])
     worker = Worker(exercise.tests[0].config, (), quotas=quotas)
     grade_one = partial(grade_submission, worker, exercise, rivals)
     return grade_one, spec_key(exercise, quotas, rivals), local_executor(worker, jobs)
 
 
-def _node_grading(exercise: GradingSpec, spec: Path, students: ClassOptions, service: NodeUnderTestOptions) -> _Grading:
+def _node_grading(exercise: GradingSpec, students: ClassOptions, service: NodeUnderTestOptions) -> _Grading:
     """Return these three for ROS 2 nodes, which are graded one after the other."""
     if students.jobs is not None:
         raise ConfigError("--jobs must be left out with --ros: nodes are graded one after the other")
     if not exercise.launch:
-        raise ConfigError(f'{spec}: launch must be given for --ros, as in launch = "python3 node.py"')
+        raise ConfigError(f'{exercise.path}: launch must be given for --ros, as in launch = "python3 node.py"')
     try:
         for test in exercise.tests:
             cases_of(test)
     except ConfigError as error:
-        raise ConfigError(f"{spec}: {error}") from None
+        raise ConfigError(f"{exercise.path}: {error}") from None
     worker = Worker(exercise.tests[0].config, ())
     grade_one = partial(grade_node_of, worker, exercise, partial(service.node, f"{SERVICE}/catch_turtle"))
     return grade_one, spec_key(exercise, Quotas(), ()), Executor(worker)

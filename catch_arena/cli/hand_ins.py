@@ -137,13 +137,13 @@ def grade(
             raise ConfigError("--junit and --json must be left out with a class: DIR/json has the grades")
         from catch_arena.cli.class_grading import grade_folder
 
-        passed = grade_folder(exercise, Path(agent), spec, students, trust, service, force=force)
+        passed = grade_folder(exercise, Path(agent), students, trust, service, force=force)
     else:
         students.refuse()
         name, digest, grades = (
             _grade_service(exercise, agent, service, seeds)
             if agent.startswith(SERVICE)
-            else _grade_agent(exercise, agent, trust, service, spec)
+            else _grade_agent(exercise, agent, trust, service)
         )
         points, possible = sum(grade.points for grade in grades), sum(grade.possible for grade in grades)
         echo(f"{exercise.title}: {name} has {points:g} of {possible:g} points")
@@ -175,7 +175,7 @@ def _grade_service(
 
 
 def _grade_agent(
-    exercise: "GradingSpec", agent: str, trust: Trust, service: NodeUnderTestOptions, spec: Path
+    exercise: "GradingSpec", agent: str, trust: Trust, service: NodeUnderTestOptions
 ) -> "tuple[str, str, list[TestGrade]]":
     """Play the tests, print each grade, and return the agent's name and digest, and the grades."""
     from catch_arena.tournament.grading import enter_opponents, grade_agent
@@ -186,7 +186,7 @@ def _grade_agent(
     grades: list[TestGrade] = []
     with sandbox_for(quotas) as sandbox:
         inspect = inspector(sandbox)
-        rivals = enter_opponents(exercise, spec, inspect)
+        rivals = enter_opponents(exercise, inspect)
         (student,) = enter([agent], inspect)
         print_level(quotas, [student.spec])
         for test, opponents in zip(exercise.tests, rivals, strict=True):

@@ -6,7 +6,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import BytesIO
 from itertools import cycle, islice
-from pathlib import Path
 from typing import Any, Final
 from xml.etree import ElementTree as ET
 
@@ -87,12 +86,11 @@ class TestGrade:
         return {name: getattr(self, name) for name in known} | dict(self.figures)
 
 
-def enter_opponents(spec: GradingSpec, path: Path, inspect: Callable[[str], Inspection]) -> list[tuple[Entrant, ...]]:
+def enter_opponents(spec: GradingSpec, inspect: Callable[[str], Inspection]) -> list[tuple[Entrant, ...]]:
     """Return the opponents in each test of a spec.
 
     Args:
         spec: the grading spec.
-        path: its file, for errors.
         inspect: inspects an agent, as for `enter`.
 
     Raises:
@@ -100,7 +98,7 @@ def enter_opponents(spec: GradingSpec, path: Path, inspect: Callable[[str], Insp
     """
     entered = []
     for test in spec.tests:
-        at = f"{path}: {test.name}"
+        at = f"{spec.path}: {test.name}"
         if test.cases:
             raise ConfigError(f"{at}: only a node can play cases; give its service, such as ros:/catch_turtle")
         opponents = enter(test.opponents, inspect)

@@ -74,6 +74,8 @@ class _File(msgspec.Struct, kw_only=True, forbid_unknown_fields=True):
 class GradingSpec:
     """Grading spec: the tests by which an agent is graded."""
 
+    path: Path
+    """Its file."""
     title: str
     tests: tuple[GradingTest, ...]
     secret: Secret
@@ -122,7 +124,8 @@ def read_spec(path: Path) -> GradingSpec:
     except CatchArenaError as error:
         raise ConfigError(f"{path}: {error}") from None
     has_seed = not (file.seed is None and file.seed_file is None)
-    return GradingSpec(path.stem if file.title is None else file.title, tests, secret, has_seed, file.launch)
+    title = path.stem if file.title is None else file.title
+    return GradingSpec(path, title, tests, secret, has_seed, file.launch)
 
 
 def _complete(at: str, test: GradingTest, given: Collection[str], matches: int, folder: Path) -> GradingTest:
