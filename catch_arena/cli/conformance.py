@@ -8,7 +8,7 @@ import typer
 
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
-from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.outputs import Force, reserve_file
 from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo, own_console
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
@@ -61,8 +61,7 @@ def conformance(
         for case in select_cases(only or ()):
             echo(f"{case.id} ({', '.join(case.clauses)}): {case.situation}")
         return
-    if junit is not None:
-        output_file(junit, ".xml", force=force)
+    reserve_file(junit, ".xml", force=force)
     if arbiter is not None and arbiter.startswith(SERVICE):
         from catch_arena.ros.node_tests.cases import run_on_node
 

@@ -18,7 +18,7 @@ from catch_arena.cli.options import (
     arena,
     print_level,
 )
-from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.outputs import Force, reserve_file
 from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
@@ -130,8 +130,7 @@ def grade(
 
     exercise = read_spec(spec)
     for path, ending in ((junit, ".xml"), (json, ".json"), (seeds, ".json")):
-        if path is not None:
-            output_file(path, ending, force=force)
+        reserve_file(path, ending, force=force)
     if is_class(agent):
         if junit is not None or json is not None:
             raise ConfigError("--junit and --json must be left out with a class: DIR/json has the grades")

@@ -9,7 +9,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.matches import print_logs, print_result
 from catch_arena.cli.options import Agents, Arena, ArenaSeed, Trust, enter_agents
-from catch_arena.cli.outputs import REPLAY, Force, output_file
+from catch_arena.cli.outputs import REPLAY, Force, reserve_file, reserve_free_file
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, suggest
@@ -86,13 +86,12 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
         )
     entered = enter_agents([agents[index % len(agents)] for index in range(len(free))], quotas)
     entrants = dict(zip(free, entered, strict=True))
-    if record is not None:
-        output_file(record, REPLAY, force=force)
-    else:
+    reserve_file(record, REPLAY, force=force)
+    if record is None:
         prepare_folder(Path.cwd())
 
     def save(replay: "Replay") -> str:
-        target = record or output_file(None, force=force, usual="match.replay")
+        target = record or reserve_free_file("match.replay", force=force)
         replay.save(target)
         return str(target)
 

@@ -22,7 +22,7 @@ from catch_arena.cli.options import (
     print_missing_prey,
     print_seed,
 )
-from catch_arena.cli.outputs import REPLAY, Force, output_file, output_option, require_free
+from catch_arena.cli.outputs import REPLAY, Force, output_option, require_free, reserve_file, reserve_free_file
 from catch_arena.cli.progress import noting_kept_results, progress_bar, progress_of_matches
 from catch_arena.cli.terminal import echo, own_console
 from catch_arena.errors import ConfigError, OutputError
@@ -246,7 +246,8 @@ def match(
 
     config, quotas = arena.config(), trust.quotas()
     parties = Parties.of(config)
-    target = output_file(output, REPLAY, force=force, usual="match.replay")
+    reserve_file(output, REPLAY, force=force)
+    target = output or reserve_free_file("match.replay", force=force)
     entrants = enter_agents(agents, quotas)
     require_enough(len(entrants), config, arena.scenario)
     if len(entrants) > len(parties):

@@ -50,24 +50,20 @@ def require_free(path: Path, *, force: bool) -> None:
         raise OutputError(f"{path}: already exists; use --force to replace it, or choose another name")
 
 
-def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") -> Path:
-    """Reserve the path of a file and return it: make its folder, and an empty file that blocks other commands.
+def reserve_file(path: Path | None, *endings: str, force: bool) -> None:
+    """Make the folder of a file that will be written, and an empty file that blocks other commands.
 
     Args:
-        path: the file to write; if None, the first free name of «name.end», «name-2.end», «name-3.end» and so on.
+        path: the file to write; None for no file.
         endings: endings of its format.
         force: True if a file may be replaced.
-        usual: default name, «name.end».
 
     Raises:
         ConfigError: for a name with none of the `endings`.
         OutputError: if the file cannot be written, or exists already.
     """
     if path is None:
-        path = Path(usual).absolute()
-        prepare_folder(path.parent)
-        others = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
-        return next(free for free in chain([path], others) if _reserve(free) or force)
+        return
     ending = path.suffix.lower()
     if ending not in endings:
         *first, last = endings
@@ -76,7 +72,14 @@ def output_file(path: Path | None, *endings: str, force: bool, usual: str = "") 
     prepare_folder(path.parent)
     if not _reserve(regular_file(path)):
         require_free(path, force=force)
-    return path
+
+
+def reserve_free_file(usual: str, *, force: bool) -> Path:
+    """Reserve and return the first free path of «name.end», «name-2.end» and so on; with `force`, «name.end»."""
+    path = Path(usual).absolute()
+    prepare_folder(path.parent)
+    others = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
+    return next(free for free in chain([path], others) if _reserve(free) or force)
 
 
 def _reserve(path: Path) -> bool:

@@ -7,7 +7,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main
-from catch_arena.cli.outputs import PAGE, Force, output_file, output_option
+from catch_arena.cli.outputs import PAGE, Force, output_option, reserve_file
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.store import Store
@@ -53,8 +53,7 @@ def report(
         return
     from catch_arena.report import BUDGET, write_report
 
-    if output is not None:
-        output_file(output, PAGE, force=force)
+    reserve_file(output, PAGE, force=force)
     size = BUDGET if budget is None else round(1e6 * budget)
     echo(f"report: {write_report(folder, budget=size, matches=match or (), output=output)}")
 
@@ -82,7 +81,7 @@ def export(
     from catch_arena.tournament.export import export as write
 
     with Store.read(folder) as store:
-        output_file(output, *_FORMATS, force=force)
+        reserve_file(output, *_FORMATS, force=force)
         named = _FORMATS[output.suffix.lower()]
         if form not in {named, None}:
             raise ConfigError(

@@ -12,7 +12,7 @@ from catch_arena.cli.app import EXIT_NO, Commands, Program, main
 from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
 from catch_arena.cli.matches import print_ranking
 from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
-from catch_arena.cli.outputs import REPLAY, Force, output_file
+from catch_arena.cli.outputs import REPLAY, Force, reserve_file
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError
@@ -94,8 +94,7 @@ def serve(
     config = _with_parameters(_arena(scenario, settings, seats), ros_args)
     agents = {number: driver for number, driver in sorted(seats.items()) if not _is_node(driver)}
     quotas = trust.quotas()
-    if record is not None:
-        output_file(record, REPLAY, force=force)
+    reserve_file(record, REPLAY, force=force)
     if scenario is None:
         echo(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
     entrants = dict(zip(agents, enter_agents(list(agents.values()), quotas), strict=True)) if agents else {}

@@ -9,7 +9,7 @@ import typer
 
 from catch_arena.cli.bus import Packages
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.outputs import VIDEO, VIDEO_HELP, Force, output_file, output_option
+from catch_arena.cli.outputs import VIDEO, VIDEO_HELP, Force, output_option, reserve_file
 from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import echo
@@ -61,7 +61,7 @@ def import_(
     target = output or whole.with_suffix(".mp4")
     drawn = picture.arguments()
     if not listing:
-        output_file(target, *VIDEO, force=force)
+        reserve_file(target, *VIDEO, force=force)
     with progress_bar("reading") as show:
         contents = read_bag(bag, show)
     judged = judge_bag(contents, reach)

@@ -8,7 +8,7 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
-from catch_arena.cli.outputs import Force, output_file
+from catch_arena.cli.outputs import Force, reserve_file
 from catch_arena.cli.progress import noting_kept_results, progress_of_matches
 from catch_arena.cli.terminal import echo, own_console, plain_table
 from catch_arena.files import prepare_folder, write_whole
@@ -78,8 +78,7 @@ def suite(
     out = out or Path("out", (name or "suite") + "-quick" * quick)
     workers = jobs or usable_cores()
     quotas = trust.quotas()
-    if json is not None:
-        output_file(json, ".json", force=force)
+    reserve_file(json, ".json", force=force)
     entered = enter_agents(agents, quotas)
     opponents = enter_opponents(chosen)
     blocks = QUICK_BLOCKS if quick else chosen.blocks

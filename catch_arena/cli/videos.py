@@ -10,7 +10,7 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.outputs import PAGE, VIDEO, VIDEO_HELP, Force, output_file, output_option
+from catch_arena.cli.outputs import PAGE, VIDEO, VIDEO_HELP, Force, output_option, reserve_file, reserve_free_file
 from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError, ReplayError
@@ -140,7 +140,7 @@ def render(
     if paged and film != Film():
         raise ConfigError(f"{target}: options of a video must be left out for a page, whose player has controls")
     drawn = film.arguments()
-    output_file(target, *VIDEO, PAGE, force=force)
+    reserve_file(target, *VIDEO, PAGE, force=force)
     answer = None
     if what_if is not None:
         with progress_bar("searching") as show:
@@ -176,7 +176,7 @@ def clip(
         raise ConfigError(f"seconds must be positive, got {seconds:g}")
     start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
-    output_file(target, *VIDEO, force=force)
+    reserve_file(target, *VIDEO, force=force)
     end = min(whole_s, start + seconds)
     _write_video(recorded, replay, target, start_s=start, end_s=end)
 
@@ -213,7 +213,7 @@ def mosaic(
     """Show all matches of a folder at the same time, in a grid."""
     from catch_arena.render.mosaic import render_mosaic
 
-    output_file(output, *VIDEO, force=force)
+    reserve_file(output, *VIDEO, force=force)
     matches, there = _from_replays(folder, lambda replay: replay, count)
     found = {path.stem: replay for path, replay in matches.items()}
     with progress_bar("rendering") as show:
@@ -244,8 +244,8 @@ def highlights(
     from catch_arena.render.highlight_video import render_highlights
 
     drawn = picture.arguments()
-    if output is not None and not listing:
-        output_file(output, *VIDEO, force=force)
+    if not listing:
+        reserve_file(output, *VIDEO, force=force)
     matches, _ = _from_replays(folder, explain)
     rates = win_rates(matches.values())
     found = {
@@ -263,7 +263,7 @@ def highlights(
         echo(f"moments: {len(selected)}, not {count}: there are no more that do not overlap", err=True)
     if listing:
         return
-    target = output or output_file(None, force=force, usual="highlights.mp4")
+    target = output or reserve_free_file("highlights.mp4", force=force)
     with progress_bar("rendering") as show:
         report = render_highlights(selected, target, progress=show, **drawn)
     print_report(report)
