@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.matches import print_logs, print_result
+from catch_arena.cli.matches import print_result
 from catch_arena.cli.options import Agents, Arena, ArenaSeed, Trust, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, reserve_file, reserve_free_file
 from catch_arena.cli.terminal import echo
@@ -97,7 +97,6 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
 
     seed = arena_seed(window.seed)
     shown = show_match(config, seed, entrants, person, quotas, title=window.scenario, size=_SIZE, save=save)
-    print_logs(shown.names, shown.result.logs)
     print_result(parties, shown.result, shown.names)
     if record is not None:
         echo(f"replay: {save(shown.replay)}")

@@ -267,23 +267,21 @@ def match(
             watch=lambda _: show(min(next(steps), config.max_steps), config.max_steps),
         )
     names = [entrant.name for entrant in in_parties(config, entrants)]
-    print_logs(names, result.logs)
     print_result(parties, result, names)
     echo(f"seed: {drawn}")
     echo(f"replay: {target}")
 
 
-def print_logs(names: Sequence[str], logs: Sequence[str]) -> None:
-    """Print on stderr the output of the agents of one match, in the order of `names`."""
-    for name, log in zip(names, logs, strict=True):
-        if log:
-            echo(f"{name} printed:\n{log}", err=True)
-
-
 def print_result(parties: Parties, result: MatchResult, names: Sequence[str]) -> None:
-    """Print the result of a match by side: ranks, scores, forfeits, and the catches of a team's hunters."""
+    """Print the result of a match by side: ranks, scores, forfeits, and the catches of a team's hunters.
+
+    What the agents printed goes to stderr.
+    """
     from catch_arena.explanation.seats import with_seat
 
+    for name, log in zip(names, result.logs, strict=True):
+        if log:
+            echo(f"{name} printed:\n{log}", err=True)
     rows = []
     for party, (name, seats) in enumerate(zip(names, parties.seats, strict=True)):
         if parties.side_of(party) == "prey":
