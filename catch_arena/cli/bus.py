@@ -1,7 +1,7 @@
 """Options for a ROS 2 bus and its packages, shared by all commands that exchange messages with nodes."""
 
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final
 
@@ -94,12 +94,9 @@ class Bus(Packages):
         Raises:
             BusError: if it cannot be reached.
         """
-        bus = self.opened(node)
-        try:
+        with closing(self.opened(node)) as bus:
             echo(describe_bus(bus, bus.interfaces(self.types)), err=True)
             yield bus
-        finally:
-            bus.close()
 
 
 class NodeCommand(TyperCommand):

@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Collection
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -234,11 +235,8 @@ def doctor(*, bus: Bus) -> None:
     """
     from catch_arena.ros.doctor import examine
 
-    joined = bus.opened("catch_arena_doctor")
-    try:
+    with closing(bus.opened("catch_arena_doctor")) as joined:
         facts, problems = examine(joined, bus.types)
-    finally:
-        joined.close()
     for line in (*facts, *(f"problem: {one}" for one in problems)):
         echo(line)
     if problems:
