@@ -59,7 +59,6 @@ def league(
 
     quotas = quotas_of(limit)
     pause_s = None if every is None else _seconds(every)
-    cores.number()
     print_level(quotas, ["an entry"])
     rules = Rules(arena.config(), arena.scenario, quotas, precision, max_matches, secret_opponents)
     secret = None if seed is None else Secret.parse(seed)
@@ -79,7 +78,7 @@ def _run_once(folder: Path, rules: "Rules", cores: Cores, secret: Secret | None)
         league = update_league(
             folder,
             rules,
-            cores.number(),
+            cores.number,
             cores.of,
             now=datetime.now(timezone.utc),
             secret=secret,

@@ -111,7 +111,7 @@ def tournament(
 
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
-    config, quotas, jobs = arena.config(), trust.quotas(), cores.number()
+    config, quotas, jobs = arena.config(), trust.quotas(), cores.number
     parties = Parties.of(config)
     given = None if seed is None else Secret.parse(seed)
     entrants = enter_agents(agents, quotas)

@@ -127,18 +127,17 @@ class Cores:
         typer.Option(help="Address of a running Ray cluster; all its cores play.", show_default="a new one here"),
     ] = None
 
-    def number(self) -> int:
-        """Return the number of processes on this machine.
-
-        Raises:
-            ConfigError: for options that exclude each other.
-        """
-        from catch_arena.tournament.execution.executors import usable_cores
-
+    def __post_init__(self) -> None:
         if self.address is not None and self.executor != "ray":
             raise ConfigError(f"--address must come with --executor ray, got --executor {self.executor}")
         if self.address is not None and self.jobs is not None:
             raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {self.jobs}")
+
+    @property
+    def number(self) -> int:
+        """Number of processes on this machine."""
+        from catch_arena.tournament.execution.executors import usable_cores
+
         return self.jobs or usable_cores()
 
     def of(self, worker: "Worker") -> "Executor":
@@ -150,10 +149,10 @@ class Cores:
         if self.executor == "ray":
             from catch_arena.tournament.execution.ray_executor import RayExecutor
 
-            return RayExecutor(worker, self.number(), self.address)
+            return RayExecutor(worker, self.number, self.address)
         from catch_arena.tournament.execution.executors import local_executor
 
-        return local_executor(worker, self.number())
+        return local_executor(worker, self.number)
 
 
 @dataclass(frozen=True)
