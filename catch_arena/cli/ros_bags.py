@@ -13,7 +13,7 @@ from catch_arena.cli.outputs import VIDEO, VIDEO_HELP, Force, output_option, res
 from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.ros import ros
 from catch_arena.cli.terminal import echo
-from catch_arena.cli.videos import Picture, print_report
+from catch_arena.cli.videos import Picture, write_video
 from catch_arena.errors import BusError, ConfigError, install_hint
 
 
@@ -74,9 +74,7 @@ def import_(
         return
     from catch_arena.ros.bags.video import render_bag
 
-    with progress_bar("rendering") as show:
-        report = render_bag(contents, judged, target, reach_m=reach, title=whole.stem, progress=show, **drawn)
-    print_report(report)
+    write_video(render_bag, contents, judged, target, reach_m=reach, title=whole.stem, **drawn)
 
 
 def _require_rosbags() -> None:

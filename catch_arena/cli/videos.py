@@ -148,7 +148,7 @@ def render(
             answer = explanation.what_if(recorded, contest, hunter, show)
         echo(answer.sentence)
     if not paged:
-        _write_video(recorded, replay, target, what_if=answer, **drawn)
+        _write_match(recorded, replay, target, what_if=answer, **drawn)
         return
     from catch_arena.player import player_page
 
@@ -178,16 +178,14 @@ def clip(
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
     reserve_file(target, *VIDEO, force=force)
     end = min(whole_s, start + seconds)
-    _write_video(recorded, replay, target, start_s=start, end_s=end)
+    _write_match(recorded, replay, target, start_s=start, end_s=end)
 
 
-def _write_video(recorded: "Replay", path: Path, target: Path, **options: Any) -> None:
+def _write_match(recorded: "Replay", path: Path, target: Path, **options: Any) -> None:
     """Write a video of a recorded match, which was loaded from `path`, with options of `render_replay`."""
     from catch_arena.render.video import render_replay
 
-    with progress_bar("rendering") as show:
-        report = render_replay(recorded, target, event=_event(path), progress=show, **options)
-    print_report(report)
+    write_video(render_replay, recorded, target, event=_event(path), **options)
 
 
 def _event(path: Path) -> str:
@@ -216,10 +214,8 @@ def mosaic(
     reserve_file(output, *VIDEO, force=force)
     matches, there = _from_replays(folder, lambda replay: replay, count)
     found = {path.stem: replay for path, replay in matches.items()}
-    with progress_bar("rendering") as show:
-        report = render_mosaic(found, output, speed=speed, progress=show)
     echo(f"matches: {len(found)} of {there}")
-    print_report(report)
+    write_video(render_mosaic, found, output, speed=speed)
 
 
 @main.command()
@@ -264,13 +260,13 @@ def highlights(
     if listing:
         return
     target = output or reserve_free_file("highlights.mp4", force=force)
+    write_video(render_highlights, selected, target, **drawn)
+
+
+def write_video(render: "Callable[..., RenderReport]", *arguments: Any, **options: Any) -> None:
+    """Render a video with a progress bar, and print its path, its number of frames and its length."""
     with progress_bar("rendering") as show:
-        report = render_highlights(selected, target, progress=show, **drawn)
-    print_report(report)
-
-
-def print_report(report: "RenderReport") -> None:
-    """Print the path, the number of frames and the length of a video."""
+        report = render(*arguments, progress=show, **options)
     echo(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
 
 
