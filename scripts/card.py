@@ -28,7 +28,7 @@ from typing import Final
 import numpy as np
 
 from catch_arena.cli.progress import progress_bar
-from catch_arena.cli.tables import interval
+from catch_arena.cli.tables import with_interval
 from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
@@ -237,7 +237,7 @@ def weaknesses(one: AgentMeasures) -> str:
 
 def figure(estimate: Estimate) -> str:
     """Return an estimate with its interval."""
-    return f"{estimate.mean:.2f} ({interval(estimate, '.2f')})"
+    return with_interval(estimate, ".2f")
 
 
 def machine() -> str:

@@ -17,7 +17,6 @@ from catch_arena.tournament.agent_spec import is_shipped
 if TYPE_CHECKING:
     from catch_arena.suite.measures import AgentMeasures
     from catch_arena.suite.references import Scores
-    from catch_arena.tournament.statistics.intervals import Estimate
 
 _KEY = """score: own catches / (own + the mean opponent's catches); 0.5 is level
 wins: matches won, ties shared; place: by rating, among itself and its opponents
@@ -64,7 +63,7 @@ def suite(
     """
     from json import dumps
 
-    from catch_arena.cli.tables import duration
+    from catch_arena.cli.tables import duration, with_interval
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
     from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
     from catch_arena.suite.measures import DIGITS, facts_of, measure, over_training_runs
@@ -129,7 +128,7 @@ def suite(
         method = {part: over_training_runs(measured, held_out=held_out) for part, held_out in _PARTS.items()}
         echo(f"training method, over {len(measured)} runs:")
         for part, estimate in method.items():
-            echo(f"interquartile mean, {part}: {_figure(estimate)}")
+            echo(f"interquartile mean, {part}: {with_interval(estimate, '.3f')}")
         if len(measured) < FEWEST_RUNS:
             echo(f"an interval needs {FEWEST_RUNS} training runs")
     if not known:
@@ -147,7 +146,7 @@ def suite(
 
 def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
     """Print the tables of an agent."""
-    from catch_arena.cli.tables import interval
+    from catch_arena.cli.tables import interval, with_interval
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     for held_out, part in ((False, "training scenarios"), (True, "held-out scenarios")):
@@ -170,18 +169,13 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
                 )
         own_console().print(shown)
     echo(_KEY)
-    echo(f"interquartile mean, training: {_figure(measures.training)}")
-    echo(f"interquartile mean, held out: {_figure(measures.held_out)}")
-    echo(f"gap, training minus held out: {_figure(measures.gap)}")
+    echo(f"interquartile mean, training: {with_interval(measures.training, '.3f')}")
+    echo(f"interquartile mean, held out: {with_interval(measures.held_out, '.3f')}")
+    echo(f"gap, training minus held out: {with_interval(measures.gap, '.3f')}")
     echo(f"time: {measures.move_ms:.2f} ms per move")
     for name, scores in known.items():
         figures = ", ".join(
-            f"{part} {_figure(measures.improvement(scores, held_out=held_out), 2)}" for part, held_out in _PARTS.items()
+            f"{part} {with_interval(measures.improvement(scores, held_out=held_out), '.2f')}"
+            for part, held_out in _PARTS.items()
         )
         echo(f"probability of improvement over {name}: {figures}")
-
-
-def _figure(estimate: "Estimate", digits: int = 3) -> str:
-    from catch_arena.cli.tables import interval
-
-    return f"{estimate.mean:.{digits}f} ({interval(estimate, f'.{digits}f')})"

@@ -122,6 +122,11 @@ def interval(estimate: Estimate, form: str, scale: int = 1) -> str:
     return f"{scale * estimate.low:{form}} to {scale * estimate.high:{form}}"
 
 
+def with_interval(estimate: Estimate, form: str) -> str:
+    """Return an estimate, and its interval in brackets."""
+    return f"{estimate.mean:{form}} ({interval(estimate, form)})"
+
+
 def _with_margin(estimate: Estimate, form: str, scale: int) -> str:
     margin = "?" if math.isnan(estimate.margin) else format(scale * estimate.margin, form.removeprefix("+"))
     mean = f"{scale * estimate.mean:{form}}"
