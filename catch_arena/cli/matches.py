@@ -23,7 +23,7 @@ from catch_arena.cli.options import (
     print_seed,
 )
 from catch_arena.cli.outputs import REPLAY, Force, output_option, require_free, reserve_file, reserve_free_file
-from catch_arena.cli.progress import noting_kept_results, progress_bar, progress_of_matches
+from catch_arena.cli.progress import MatchCounter, noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo, own_console
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.files import prepare_folder, require_folder
@@ -137,8 +137,9 @@ def tournament(
         echo(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
         print_missing_prey(entrants, config)
         with noting_kept_results(kept):
-            with cores.of(worker) as ready, progress_of_matches(plan.size) as on_results:
-                play_plan(store, plan, ready, max_forfeits=max_forfeits, on_results=on_results)
+            with cores.of(worker) as ready, progress_bar("playing", plan.size) as show:
+                counter = MatchCounter(plan.size, show)
+                play_plan(store, plan, ready, max_forfeits=max_forfeits, on_results=counter)
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)

@@ -55,18 +55,22 @@ def progress_bar(description: str, total: int | None = None) -> Iterator[Callabl
             bar.stop()
 
 
-@contextmanager
-def progress_of_matches(total: int) -> Iterator[Callable[[Sized], None]]:
-    """Show the progress of matches, and yield the function that takes further results as they come."""
-    done = 0
-    with progress_bar("playing", total) as show:
+class MatchCounter:
+    """Counter of the results of matches, which reports their progress.
 
-        def add(results: Sized) -> None:
-            nonlocal done
-            done += len(results)
-            show(done, total)
+    Args:
+        total: number of all matches.
+        show: function that reports the progress, of `progress_bar`.
+    """
 
-        yield add
+    def __init__(self, total: int, show: Callable[..., None]) -> None:
+        self.done = 0
+        self._total, self._show = total, show
+
+    def __call__(self, results: Sized) -> None:
+        """Add further results."""
+        self.done += len(results)
+        self._show(self.done, self._total)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
 from catch_arena.cli.outputs import Force, reserve_file
-from catch_arena.cli.progress import noting_kept_results, progress_of_matches
+from catch_arena.cli.progress import MatchCounter, noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo, own_console, plain_table
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_spec import is_shipped
@@ -112,13 +112,12 @@ def suite(
     takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of them played already"
     echo(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, {takes}")
 
-    def kept() -> str:
-        played = sum(len(evaluation.played(one)) for evaluation in evaluations for one in chosen.scenarios)
-        return f"{played} of {total} matches are kept in {out}; the same command with --resume goes on"
-
-    with noting_kept_results(kept), progress_of_matches(total) as on_results:
-        for evaluation in evaluations:
-            evaluation.play(workers, on_results)
+    with progress_bar("playing", total) as show:
+        counter = MatchCounter(total, show)
+        kept = f"of {total} matches are kept in {out}; the same command with --resume goes on"
+        with noting_kept_results(lambda: f"{counter.done} {kept}"):
+            for evaluation in evaluations:
+                evaluation.play(workers, counter)
     known = references(chosen)
     measured = [measure(evaluation) for evaluation in evaluations]
     for measures in measured:
