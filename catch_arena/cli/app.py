@@ -113,14 +113,14 @@ class Program(typer.Typer):
 
 def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
     """Return a function for typer that has a parameter for each field of the command's dataclasses."""
-    taken = signature(command).parameters
-    shared: dict[str, Any] = {name: its.annotation for name, its in taken.items() if is_dataclass(its.annotation)}
+    shared: dict[str, Any] = {}
     single = []
-    for name, parameter in taken.items():
-        if name in shared:
+    for name, parameter in signature(command).parameters.items():
+        if is_dataclass(parameter.annotation):
+            shared[name] = parameter.annotation
             single += [
                 Parameter(field.name, Parameter.KEYWORD_ONLY, default=field.default, annotation=field.type)
-                for field in fields(shared[name])
+                for field in fields(parameter.annotation)
             ]
         else:
             single.append(parameter.replace(kind=Parameter.KEYWORD_ONLY))
