@@ -60,7 +60,7 @@ def compare(
     """
     from catch_arena.tournament.comparison import compare as play_and_test
     from catch_arena.tournament.execution.executors import usable_cores
-    from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
+    from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
 
     config, quotas = arena.config(), trust.quotas()
     secret = Secret.of(None) if seed is None else Secret.parse(seed)
@@ -98,7 +98,7 @@ def compare(
     echo(f"share of {first}: {_describe(found.share)}")
     echo(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
-        f"H0 is {elo_of_share(test.share0):+.0f} points, H1 {elo_of_share(test.share1):+.0f}"
+        f"H0 is {elo0:+.0f} points, H1 {elo1:+.0f}"
     )
     verdicts = {
         "H1": f"{first} is stronger than {second} (H1)",
