@@ -83,7 +83,7 @@ def lead(result: MatchResult, party: int, hunting: int) -> int:
     return result.scores[party] - max(others, default=0)
 
 
-def worst_moment(replay: Replay, seat: int, forfeit: Forfeit | None = None) -> Moment:
+def worst_moment(replay: Replay, seat: int, forfeit: Forfeit | None) -> Moment:
     """Return the moment of an agent's failure, or else its worst moment in a match.
 
     Raises:

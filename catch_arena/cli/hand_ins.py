@@ -54,7 +54,7 @@ def check_agent(
     quotas = trust.quotas()
     errors = 0
     with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
-        for number, finding in enumerate(check_fitness(agent, arenas, 0, sandbox, show)):
+        for number, finding in enumerate(check_fitness(agent, arenas, sandbox, show)):
             if number == 0:  # the agent could be entered, so its spec is valid
                 print_level(quotas, [resolve(agent).spec])
             errors += finding.level == "error"

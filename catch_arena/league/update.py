@@ -57,11 +57,11 @@ class Rules:
     scenario: str
     """Name of the arena."""
     quotas: Quotas
-    precision: float = 100.0
+    precision: float
     """Largest half width of a rating's interval with which an entrant has its place in any case [points]."""
-    max_matches: int = 200
+    max_matches: int
     """Largest number of matches of a version until it has its place."""
-    secret_opponents: Path | None = None
+    secret_opponents: Path | None
     """Folder of further opponents, whose names are not shown."""
 
 
@@ -140,9 +140,9 @@ def update_league(
     executor_of: Callable[[Worker], Executor],
     *,
     now: datetime,
-    secret: Secret | None = None,
-    report: Callable[[str], None] = lambda _: None,
-    on_progress: Callable[[int, int], None] = lambda *_: None,
+    secret: Secret | None,
+    report: Callable[[str], None],
+    on_progress: Callable[[int, int], None],
 ) -> League:
     """Run a league once, and return it.
 
@@ -268,7 +268,7 @@ def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Chec
         return Checked(None, fault)
     try:
         spec = resolve(agent).spec
-        findings = () if is_shipped(spec) else check_fitness(agent, {scenario: worker.config}, 0, worker.sandbox)
+        findings = () if is_shipped(spec) else check_fitness(agent, {scenario: worker.config}, worker.sandbox)
         for finding in findings:
             if finding.level == "error":
                 fault, _, log = finding.text.partition("\n")

@@ -17,6 +17,8 @@ from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.parties import Parties
 from catch_arena.verdicts import REASONS, Verdict
 
+_SEED: Final = 0
+"""Seed of all matches."""
 _LINES_SHOWN: Final = 6
 """Number of lines shown of a log, from its end."""
 
@@ -33,7 +35,6 @@ class Finding:
 def check_fitness(
     spec: str,
     arenas: Mapping[str, ArenaConfig],
-    seed: int,
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Iterator[Finding]:
@@ -44,7 +45,6 @@ def check_fitness(
     Args:
         spec: the agent, as `enter` takes it.
         arenas: settings of the arenas, by name.
-        seed: an integer in [0, 2^64).
         sandbox: runs agents that are not trusted; None if all are trusted.
         progress: called with (done, total) before each match.
 
@@ -64,7 +64,7 @@ def check_fitness(
         """Play a match, and return its result with the digest after each step."""
         digests: list[bytes] = []
         seated = copies[: len(Parties.of(config))]
-        result = play_entrants(config, seed, seated, sandbox, watch=lambda env: digests.append(env.digest()))
+        result = play_entrants(config, _SEED, seated, sandbox, watch=lambda env: digests.append(env.digest()))
         return result, digests
 
     if entrant.fault is not None:
