@@ -213,7 +213,7 @@ def mosaic(
 
     reserve_file(output, *VIDEO, force=force)
     matches, there = _from_replays(folder, lambda replay: replay, count)
-    found = {path.stem: replay for path, replay in matches.items()}
+    found = {Path(path).stem: replay for path, replay in matches.items()}
     echo(f"matches: {len(found)} of {there}")
     write_video(render_mosaic, found, output, speed=speed)
 
@@ -236,21 +236,17 @@ def highlights(
     """
     from catch_arena.explanation import explain
     from catch_arena.explanation.formatting import seconds
-    from catch_arena.explanation.highlights import find_highlights, select_highlights, win_rates
+    from catch_arena.explanation.highlights import best_highlights
     from catch_arena.render.highlight_video import render_highlights
 
     drawn = picture.arguments()
     if not listing:
         reserve_file(output, *VIDEO, force=force)
     matches, _ = _from_replays(folder, explain)
-    rates = win_rates(matches.values())
-    found = {
-        str(path): find_highlights(match, known) for (path, match), known in zip(matches.items(), rates, strict=True)
-    }
-    selected = select_highlights(found, count)
+    selected = best_highlights(matches, count)
     if not selected:
         raise ReplayError(
-            f"{folder}: no highlights in {len(found)} matches: they have no contest, no change of lead, ..."
+            f"{folder}: no highlights in {len(matches)} matches: they have no contest, no change of lead, ..."
         )
     for path, highlight in selected:
         when = f"{Path(path).name}  {seconds(highlight.decisive_ms)}"
@@ -280,7 +276,7 @@ def _width_and_height(text: str | None) -> tuple[int, int] | None:
     return int(width), int(height)
 
 
-def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | None = None) -> tuple[dict[Path, _T], int]:
+def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | None = None) -> tuple[dict[str, _T], int]:
     """Return what `read` makes of a folder's replays, by path, and the number of replays in the folder.
 
     A replay that cannot be played is reported and left out. At most `limit` are read, the first by name.
@@ -295,11 +291,11 @@ def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | Non
     paths = sorted(folder.glob("*.replay"))
     if not paths:
         raise ReplayError(f"{folder}: contains no replays (files that end in .replay)")
-    found: dict[Path, _T] = {}
+    found: dict[str, _T] = {}
     with progress_bar("reading") as show:
         for done, path in enumerate(paths, start=1):
             try:
-                found[path] = read(Replay.load(path))
+                found[str(path)] = read(Replay.load(path))
             except ReplayError as error:
                 named = "" if str(error).startswith(str(path)) else f"{path}: "
                 echo(f"left out: {named}{error}", err=True)

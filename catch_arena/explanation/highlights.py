@@ -103,6 +103,13 @@ def win_rates(matches: Iterable[Explanation]) -> list[dict[str, float]]:
     return rates
 
 
+def best_highlights(matches: Mapping[str, Explanation], count: int) -> list[tuple[str, Highlight]]:
+    """Return at most `count` of the best highlights of some matches, each with its match's key, the best one last."""
+    rates = win_rates(matches.values())
+    found = {key: find_highlights(match, known) for (key, match), known in zip(matches.items(), rates, strict=True)}
+    return select_highlights(found, count)
+
+
 def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> list[tuple[str, Highlight]]:
     """Return at most `count` of the best highlights, each with its match's key in `found`, the best one last.
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from catch_arena.explanation.formatting import exact_length
-from catch_arena.explanation.highlights import Highlight, find_highlights, select_highlights, win_rates
+from catch_arena.explanation.highlights import Highlight, best_highlights
 from catch_arena.explanation.match_summary import Explanation
 from catch_arena.report.charts import number
 from catch_arena.report.data import ReportData
@@ -51,10 +51,6 @@ def figures(data: ReportData, explanations: Mapping[str, Explanation]) -> list[F
 
 def best_moment(explanations: Mapping[str, Explanation]) -> Moment | None:
     """Return the best highlight of some matches; None if they have none."""
-    rates = win_rates(explanations.values())
-    found = {
-        match: find_highlights(one, known) for (match, one), known in zip(explanations.items(), rates, strict=True)
-    }
-    for match, highlight in select_highlights(found, 1):
+    for match, highlight in best_highlights(explanations, 1):
         return Moment(match, highlight, min(highlight.end_ms, explanations[match].duration_ms))
     return None
