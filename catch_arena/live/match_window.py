@@ -174,23 +174,23 @@ class MatchWindow:
         return events
 
     def _execute(self, command: UserCommand) -> None:
-        if command is UserCommand.QUIT:
+        if command == "quit":
             self._stopped = True
             raise MatchStopped
-        if command is UserCommand.RESTART:
+        if command == "restart":
             raise RestartRequested
-        if command is UserCommand.PAUSE:
+        if command == "pause":
             self._paused, self._shows_help = not self._paused, False
-        elif command is UserCommand.STEP:
+        elif command == "step":
             self._steps += self._paused
-        elif command is UserCommand.HELP:
+        elif command == "help":
             self._paused = self._shows_help = not self._shows_help
-        elif command is UserCommand.SAVE:
+        elif command == "save":
             self._save_replay()
-        elif command is UserCommand.VIEW:
+        elif command == "view":
             self._show_next_view()
         else:
-            faster = 1 if command is UserCommand.FASTER else -1
+            faster = 1 if command == "faster" else -1
             self._speed = min(max(0, self._speed + faster), len(SPEEDS) - 1)
             self.notify(f"speed {SPEEDS[self._speed]:g}")
 

@@ -1,7 +1,6 @@
 """Input of a person from keys and a gamepad: velocity commands for an agent, and commands for the window."""
 
-from enum import Enum, auto
-from typing import Any, ClassVar, Final
+from typing import Any, ClassVar, Final, Literal
 
 from catch_arena.config import Control
 from catch_arena.policy import PreyView, View
@@ -20,37 +19,24 @@ _GO_BUTTON: Final = 0
 _PAUSE_BUTTONS: Final = (7, 9)
 """Numbers of the start button on the usual gamepads."""
 
-
-class UserCommand(Enum):
-    """Commands for the window."""
-
-    PAUSE = auto()
-    STEP = auto()
-    RESTART = auto()
-    SAVE = auto()
-    QUIT = auto()
-    HELP = auto()
-    VIEW = auto()
-    FASTER = auto()
-    SLOWER = auto()
-
-
-_TYPED: Final = {
-    "+": UserCommand.FASTER,
-    "=": UserCommand.FASTER,
-    "-": UserCommand.SLOWER,
-    ".": UserCommand.STEP,
+UserCommand = Literal["pause", "step", "restart", "save", "quit", "help", "view", "faster", "slower"]
+"""Commands for the window."""
+_TYPED: Final[dict[str, UserCommand]] = {
+    "+": "faster",
+    "=": "faster",
+    "-": "slower",
+    ".": "step",
 }
 """Commands by typed character, since the keys for these characters depend on the keyboard."""
-_COMMANDS: Final = {
-    pygame.K_SPACE: UserCommand.PAUSE,
-    pygame.K_p: UserCommand.PAUSE,
-    pygame.K_r: UserCommand.RESTART,
-    pygame.K_ESCAPE: UserCommand.QUIT,
-    pygame.K_h: UserCommand.HELP,
-    pygame.K_F1: UserCommand.HELP,
-    pygame.K_v: UserCommand.VIEW,
-    pygame.K_n: UserCommand.STEP,
+_COMMANDS: Final[dict[int, UserCommand]] = {
+    pygame.K_SPACE: "pause",
+    pygame.K_p: "pause",
+    pygame.K_r: "restart",
+    pygame.K_ESCAPE: "quit",
+    pygame.K_h: "help",
+    pygame.K_F1: "help",
+    pygame.K_v: "view",
+    pygame.K_n: "step",
 }
 """Commands by key. No key of these drives; Q is unused, since it lies next to W and A: a slip must not end a match."""
 
@@ -58,13 +44,13 @@ _COMMANDS: Final = {
 def user_command(event: Any) -> UserCommand | None:
     """Return the command for the window that an event stands for, or None."""
     if event.type == pygame.QUIT:
-        return UserCommand.QUIT
+        return "quit"
     if event.type == pygame.JOYBUTTONDOWN:
-        return UserCommand.PAUSE if event.button in _PAUSE_BUTTONS else None
+        return "pause" if event.button in _PAUSE_BUTTONS else None
     if event.type != pygame.KEYDOWN:
         return None
     if event.mod & pygame.KMOD_CTRL:
-        return UserCommand.SAVE if event.key == pygame.K_s else None
+        return "save" if event.key == pygame.K_s else None
     return _TYPED.get(getattr(event, "unicode", "")) or _COMMANDS.get(event.key)
 
 

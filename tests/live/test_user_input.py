@@ -2,7 +2,7 @@
 
 import pytest
 
-from catch_arena.live.user_input import HumanPolicy, UserCommand, user_command
+from catch_arena.live.user_input import HumanPolicy, user_command
 from catch_arena.render.optional_imports import pygame
 
 
@@ -63,7 +63,7 @@ def test_what_was_held_is_let_go_with_the_window():
 
 def test_ctrl_s_saves_and_does_not_drive():
     event = key(pygame.K_s, mod=pygame.KMOD_LCTRL)
-    assert user_command(event) is UserCommand.SAVE
+    assert user_command(event) == "save"
     person = HumanPolicy()
     person.handle(event)
     assert person.act(None) == (0, 0)
@@ -81,27 +81,27 @@ def test_no_key_that_drives_asks_the_window_for_anything():
 @pytest.mark.parametrize(
     ("event", "command"),
     [
-        (key(pygame.K_SPACE), UserCommand.PAUSE),
-        (key(pygame.K_p), UserCommand.PAUSE),
-        (key(pygame.K_n, typed="n"), UserCommand.STEP),
-        (key(pygame.K_PERIOD, typed="."), UserCommand.STEP),
-        (key(pygame.K_r), UserCommand.RESTART),
-        (key(pygame.K_SEMICOLON, typed="."), UserCommand.STEP),  # a French keyboard
+        (key(pygame.K_SPACE), "pause"),
+        (key(pygame.K_p), "pause"),
+        (key(pygame.K_n, typed="n"), "step"),
+        (key(pygame.K_PERIOD, typed="."), "step"),
+        (key(pygame.K_r), "restart"),
+        (key(pygame.K_SEMICOLON, typed="."), "step"),  # a French keyboard
         (key(pygame.K_r, mod=pygame.KMOD_LCTRL), None),
-        (key(pygame.K_ESCAPE), UserCommand.QUIT),
-        (key(pygame.K_h), UserCommand.HELP),
-        (key(pygame.K_EQUALS, typed="="), UserCommand.FASTER),
-        (key(pygame.K_KP_PLUS, typed="+"), UserCommand.FASTER),
-        (key(pygame.K_SLASH, typed="-"), UserCommand.SLOWER),  # a German keyboard
+        (key(pygame.K_ESCAPE), "quit"),
+        (key(pygame.K_h), "help"),
+        (key(pygame.K_EQUALS, typed="="), "faster"),
+        (key(pygame.K_KP_PLUS, typed="+"), "faster"),
+        (key(pygame.K_SLASH, typed="-"), "slower"),  # a German keyboard
         (key(pygame.K_UP), None),
         (key(pygame.K_p, down=False), None),
-        (pygame.event.Event(pygame.QUIT), UserCommand.QUIT),
-        (pygame.event.Event(pygame.JOYBUTTONDOWN, button=7), UserCommand.PAUSE),
+        (pygame.event.Event(pygame.QUIT), "quit"),
+        (pygame.event.Event(pygame.JOYBUTTONDOWN, button=7), "pause"),
         (pygame.event.Event(pygame.JOYBUTTONDOWN, button=0), None),
     ],
 )
 def test_what_the_window_is_asked_for(event, command):
-    assert user_command(event) is command
+    assert user_command(event) == command
 
 
 def test_a_stick_drives_in_proportion_and_its_dead_zone_is_no_command():
