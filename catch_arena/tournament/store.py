@@ -51,11 +51,10 @@ CREATE TABLE match (
 """Tables; `played` is a `PlayedMatch` as JSON."""
 _BY_PARTY: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "forfeits", "thinking")
 
+_INVALID: Final = (ValueError, TypeError, RecursionError)
+"""Errors of reading a value that no command has written; msgspec's are ValueErrors."""
+
 T = TypeVar("T")
-
-
-class DamagedError(Exception):
-    """Error for a stored value that no command has written; the text names the table, the row and the value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,21 +78,6 @@ class Tournament:
         if self.ruleset != RULESET:
             raise ValueError(f"it was played under ruleset {self.ruleset}, and this is {RULESET}")
         Secret.parse(self.seed)
-
-    @classmethod
-    def of(cls, facts: Mapping[str, str]) -> "Tournament":
-        """Return the tournament described by `facts`, the rows of the table `fact`.
-
-        Raises:
-            DamagedError: for facts that are invalid in this version.
-        """
-        try:
-            values: dict[str, Any] = {name: msgspec.json.decode(text) for name, text in facts.items()}
-            config: Any = values.get("config")
-            values["config"] = ArenaConfig.from_dict(config)  # integers stay integers
-            return msgspec.convert(values, cls)
-        except (ValueError, TypeError, RecursionError) as error:  # msgspec's are ValueErrors
-            raise DamagedError(f"table fact: {error}") from None
 
     @property
     def secret(self) -> Secret:
@@ -186,7 +170,7 @@ class Store:
     def tournament(self) -> Tournament:
         """Tournament whose matches the store holds."""
         with self._store_errors():
-            return Tournament.of(self._facts())
+            return self._tournament()
 
     @property
     def ended(self) -> bool:
@@ -216,22 +200,22 @@ class Store:
         row = (one.match.id, one.match.block, self._versions, _json(kept))
         self._db.execute("INSERT OR IGNORE INTO match VALUES (?, ?, ?, ?)", row)
 
-    def played(self, most: int = -1) -> Iterator[PlayedMatch]:
-        """Return the played matches in the order of the plan: at most `most`, or all if -1."""
-        return (one for one, _ in self.records(most))
+    def played(self) -> Iterator[PlayedMatch]:
+        """Return the played matches in the order of the plan."""
+        return (one for one, _ in self.records())
 
-    def records(self, most: int = -1) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
+    def records(self) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
         """Yield the played matches, as `played` does, each with the package versions that played it."""
         tournament = self.tournament
         parties, entrants = len(Parties.of(tournament.config)), len(tournament.entrants)
         with self._store_errors():
             rows = self._db.execute("SELECT id, value FROM versions")
-            known = {key: _decode(dict[str, str], f"table versions, row {key}", text) for key, text in rows}
-            rows = self._db.execute("SELECT id, versions, played FROM match ORDER BY id LIMIT ?", (most,))
-            for name, by, text in rows:
+            known = {key: self._decode(dict[str, str], f"table versions, row {key}", text) for key, text in rows}
+            for name, by, text in self._db.execute("SELECT id, versions, played FROM match ORDER BY id"):
                 where = f"table match, row {name}"
-                played = _decode(PlayedMatch, where, text)
-                _require_fit(played, where, parties, entrants)
+                played = self._decode(PlayedMatch, where, text)
+                if fault := _misfit(played, parties, entrants):
+                    raise self._damaged(f"{where}: {fault}")
                 yield played, known[by]
 
     def count_played(self) -> int:
@@ -295,17 +279,24 @@ class Store:
             )
         with self._store_errors():
             (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
-            if found != "ok":
-                raise DamagedError(str(found))
+        if found != "ok":
+            raise self._damaged(found)
         return True
 
-    def _facts(self) -> dict[str, str]:
-        return dict(self._db.execute("SELECT name, value FROM fact"))
+    def _tournament(self) -> Tournament:
+        facts = self._db.execute("SELECT name, value FROM fact").fetchall()
+        try:
+            values: dict[str, Any] = {name: msgspec.json.decode(text) for name, text in facts}
+            config: Any = values.get("config")
+            values["config"] = ArenaConfig.from_dict(config)  # integers stay integers
+            return msgspec.convert(values, Tournament)
+        except _INVALID as error:
+            raise self._damaged(f"table fact: {error}") from None
 
     def _planned(self) -> int:
         """Return the number of planned matches; 0 if none is written."""
         rows = self._db.execute("SELECT value FROM fact WHERE name = 'planned'")
-        return next((_decode(int, "table fact, row planned", text) for (text,) in rows), 0)
+        return next((self._decode(int, "table fact, row planned", text) for (text,) in rows), 0)
 
     def _count(self, table: str) -> int:
         with self._store_errors():
@@ -314,26 +305,28 @@ class Store:
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
         """Open a transaction: all writes in it are kept, or none if it raises."""
-        with self._store_errors():
-            self._db.execute("BEGIN IMMEDIATE")
-            try:
-                yield self._db
-                self._db.execute("COMMIT")
-            except BaseException:
-                if self._db.in_transaction:  # on a full disk SQLite may have rolled back itself
-                    self._db.execute("ROLLBACK")
-                raise
+        with self._store_errors(), self._db as db:
+            db.execute("BEGIN IMMEDIATE")
+            yield db
 
     @contextmanager
     def _store_errors(self) -> Iterator[None]:
         try:
             yield
-        except DamagedError as error:
-            raise StoreError(f"{self.path}: is damaged: {one_line(str(error))}") from None
         except UnicodeError:  # in a message of SQLite
-            raise StoreError(f"{self.path}: is damaged: it holds what is no text") from None
+            raise self._damaged("it holds what is no text") from None
         except sqlite3.Error as error:
             raise StoreError(f"{self.path}: {one_line(self._message(error))}") from None
+
+    def _decode(self, kind: type[T], where: str, text: str) -> T:
+        try:
+            return msgspec.json.decode(text, type=kind)
+        except _INVALID as error:
+            raise self._damaged(f"{where}: {error}") from None
+
+    def _damaged(self, value: object) -> StoreError:
+        """Return the error for a stored value that no command has written, named by its table and row."""
+        return StoreError(f"{self.path}: is damaged: {one_line(str(value))}")
 
     def _message(self, error: sqlite3.Error) -> str:
         """Return an error of SQLite in words; if it cannot write, with the free and the needed space."""
@@ -346,9 +339,9 @@ class Store:
 
     def _bytes_needed(self) -> int | None:
         """Return the approximate size of the matches that are not played yet [bytes]; None if it is unknown."""
-        with suppress(sqlite3.Error, DamagedError):
+        with suppress(sqlite3.Error, StoreError):
             (played,) = self._db.execute("SELECT count(*) FROM match").fetchone()
-            parties = Parties.of(Tournament.of(self._facts()).config)
+            parties = Parties.of(self._tournament().config)
             return max(0, self._planned() - played) * store_bytes(len(parties)) or None
         return None
 
@@ -425,21 +418,15 @@ def _shown(value: object) -> str:
     return "not given" if value is None else _json(value)
 
 
-def _decode(kind: type[T], where: str, text: str) -> T:
-    try:
-        return msgspec.json.decode(text, type=kind)
-    except (ValueError, TypeError, RecursionError) as error:  # msgspec's are ValueErrors
-        raise DamagedError(f"{where}: {error}") from None
-
-
-def _require_fit(one: PlayedMatch, where: str, parties: int, entrants: int) -> None:
-    """Check that a match fits a tournament with these numbers of parties in a match and of entrants."""
+def _misfit(one: PlayedMatch, parties: int, entrants: int) -> str | None:
+    """Return why a match cannot be of a tournament with these numbers of parties and entrants; None if it can."""
     for part, names in ((one.match, ("seating", "agent_seeds")), (one.result, _BY_PARTY)):
         for name in names:
             if len(getattr(part, name)) != parties:
-                raise DamagedError(f"{where}: {name} must be {parties}")
+                return f"{name} must be {parties}"
     if not all(0 <= index < entrants for index in one.match.seating):
-        raise DamagedError(f"{where}: seating must have indices of {entrants} entrants")
+        return f"seating must have indices of {entrants} entrants"
+    return None
 
 
 def _json(value: object) -> str:

@@ -1,7 +1,7 @@
 """Runner of a plan, which stores blocks in the order of the plan; the results do not depend on the executor."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import count
+from itertools import count, islice
 from typing import Final
 
 from catch_arena.errors import StoreError
@@ -69,7 +69,7 @@ def play_plan(
 
     for number in count():
         earlier = passed
-        blocks = without_stored(plan.stage(number, store.played(earlier)))
+        blocks = without_stored(plan.stage(number, islice(store.played(), earlier)))
         play_and_store(store, blocks, executor, streaks, on_results)
         if passed == earlier:
             store.end()
