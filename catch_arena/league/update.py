@@ -36,6 +36,7 @@ from catch_arena.tournament.players import Fault
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.store import Store, Tournament, terms_of
 
 STATE: Final = ".league"
@@ -318,7 +319,7 @@ def _play(
     with ExitStack() as stack:
         while True:
             pool = sorted(playing - {*streaks.excluded})
-            evidence = weigh(Outcomes.of(len(entrants), played), zero, playing)
+            evidence = weigh(Outcomes.of(len(entrants), on_side(played)), zero, playing)
             league = League(
                 folder, rules, entries, versions, current, entrants, played, evidence, streaks.excluded, ratings
             )

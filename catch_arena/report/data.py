@@ -6,28 +6,18 @@ from functools import cached_property
 from pathlib import Path
 
 from catch_arena.errors import ReplayError, StoreError
-from catch_arena.policy import Side
 from catch_arena.replay import Replay
-from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
-from catch_arena.tournament.statistics.outcomes import Outcomes
-from catch_arena.tournament.statistics.sides import on_side
+from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.standings import Standing, standings
 from catch_arena.tournament.store import Store, Tournament
 
 
-@dataclass(frozen=True)
-class SideData:
-    """Results of one side (R12.7); without prey there is only the side of the hunters."""
-
-    side: Side
-    entrants: Sequence[Entrant]
-    """Entrants, as they play on this side."""
-    played: Sequence[PlayedMatch]
-    """Matches as this side's, from `on_side`."""
+class SideData(SideResults):
+    """Results of one side, and the figures that follow from them."""
 
     @cached_property
     def names(self) -> list[str]:
@@ -35,20 +25,14 @@ class SideData:
         return [entrant.name for entrant in self.entrants]
 
     @cached_property
-    def outcomes(self) -> Outcomes:
-        """Matches as arrays."""
-        return Outcomes.of(len(self.names), self.played)
-
-    @cached_property
     def standings(self) -> list[Standing]:
         """Standings on this side, the best first."""
-        return standings(self.entrants, self.played)
+        return standings(self)
 
     @cached_property
     def encounters(self) -> dict[tuple[str, str], Encounter]:
         """Results of each entrant against each other, by their names."""
-        found = head_to_head(self.entrants, self.played, self.side)
-        return {(encounter.name, encounter.other): encounter for encounter in found}
+        return {(encounter.name, encounter.other): encounter for encounter in head_to_head(self)}
 
 
 @dataclass(frozen=True)
@@ -95,14 +79,8 @@ class ReportData:
     @cached_property
     def sides(self) -> list[SideData]:
         """Results of each side, the hunters' first."""
-        return [
-            SideData(
-                side,
-                [entrant.on(side) for entrant in self.tournament.entrants],
-                on_side(self.played, self.parties, side),
-            )
-            for side in self.parties.sides
-        ]
+        entrants, parties = self.tournament.entrants, self.parties
+        return [SideData.of(entrants, self.played, parties, side) for side in parties.sides]
 
     @property
     def standings(self) -> list[Standing]:

@@ -19,7 +19,7 @@ from catch_arena.tournament.statistics.aggregates import (
     probability_of_improvement,
 )
 from catch_arena.tournament.statistics.intervals import Estimate, ratios
-from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
+from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, SideResults
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import LEVEL, holm, p_values
 from catch_arena.tournament.statistics.standings import standings
@@ -129,8 +129,8 @@ def measure_scenario(
     by_block = [_normalised(list(block)) for _, block in groupby(played, key=lambda one: one.match.block)]
     column = np.array(by_block)[:, None]
     (score,) = ratios(column, np.ones_like(column))
-    outcomes = Outcomes.of(len(entrants), played)
-    table = standings(entrants, played)
+    results = SideResults.of(entrants, played)
+    table = standings(results)
     (line,) = (line for line in table if line.name == entrants[AGENT].name)
     times = [one.result.thinking[one.match.seating.index(AGENT)] for one in played]
     moves = sum(time.moves for time in times)
@@ -142,7 +142,7 @@ def measure_scenario(
         win_share=line.win_share,
         place=line.place,
         of=len(table),
-        first=comes_first(outcomes, score) if sum(line.forfeits.values()) < len(played) else False,
+        first=comes_first(results.outcomes, score) if sum(line.forfeits.values()) < len(played) else False,
         matches=len(played),
         forfeits=line.forfeits,
         move_ms=1000.0 * sum(time.total_s for time in times) / moves if moves else math.nan,

@@ -20,7 +20,7 @@ from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
-from catch_arena.tournament.statistics.sides import on_side
+from catch_arena.tournament.statistics.sides import SideMatch, on_side
 from catch_arena.tournament.statistics.sprt import Decision, Sprt
 
 _A, _B, _FIELD = range(3)
@@ -76,19 +76,19 @@ class ComparisonDesign:
 
         With prey, all ranks on a side in the block are compared: in one match A and B may be on different sides.
         """
-        if len(self.parties.sides) > 1:
-            sides = [on_side(block, self.parties, side) for side in self.parties.sides]
-            return sum(_share(side) for side in sides) / len(sides)
-        step = 2 if self.in_turn else 1
-        shares = [_share(block[begin : begin + step]) for begin in range(0, len(block), step)]
+        compared = [on_side(block, self.parties, side) for side in self.parties.sides]
+        if len(compared) == 1:
+            (matches,), step = compared, 2 if self.in_turn else 1
+            compared = [matches[begin : begin + step] for begin in range(0, len(matches), step)]
+        shares = [_share(matches) for matches in compared]
         return sum(shares) / len(shares)
 
 
-def _share(matches: Sequence[PlayedMatch]) -> float:
+def _share(matches: Sequence[SideMatch]) -> float:
     """Return A's share against B in all comparisons of their ranks in these matches, in [0, 1]."""
     ranks: tuple[list[int], list[int]] = ([], [])
     for one in matches:
-        for index, rank in zip(one.match.seating, one.result.ranks, strict=True):
+        for index, rank in zip(one.seating, one.ranks, strict=True):
             if index in (_A, _B):
                 ranks[index].append(rank)
     found = [0.5 + 0.5 * ((mine < theirs) - (mine > theirs)) for mine in ranks[_A] for theirs in ranks[_B]]

@@ -17,6 +17,7 @@ from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import export
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import STORE, Store, Tournament
 
@@ -59,7 +60,7 @@ def resume(folder):
         Executor(Worker(CONFIG, ENTRANTS)) as executor,
     ):
         play_plan(store, PLAN, executor, max_forfeits=10)
-        standings(ENTRANTS, list(store.played()))
+        standings(SideResults.of(ENTRANTS, list(store.played())))
 
 
 def follow(folder):

@@ -17,10 +17,9 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
-from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import holm, p_values
-from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.verdicts import Verdict
 
 LEVEL = 0.01
@@ -49,7 +48,7 @@ def seats_differ(identical):
 def outcomes_by_side(config, entrants, plan):
     played, parties = run(config, entrants, plan, jobs=2), Parties.of(config)
     assert not any(code for one in played for code in one.result.forfeit_codes)
-    return {side: Outcomes.of(len(entrants), on_side(played, parties, side)) for side in parties.sides}
+    return {side: SideResults.of(entrants, played, parties, side).outcomes for side in parties.sides}
 
 
 def drawn_step(config, random):

@@ -203,8 +203,10 @@ def test_a_prey_that_is_alone_is_compared_with_one_that_met_the_same_hunters(tea
     played = run(config, entrants, round_robin(len(entrants), parties, 1, 3))
     assert len(played) == parties.block_size
     caught = {one.match.seating: one.result.scores[-1] for one in played}
-    hunters = {one.match.id: one.match.seating[:-1] for one in played}
-    for joined in on_side(played, parties, "prey"):
-        expected = [caught[(*hunters[joined.match.id], prey)] for prey in joined.match.seating]
-        assert list(joined.result.scores) == expected
-        assert (expected[0] < expected[1]) == (joined.result.ranks[0] < joined.result.ranks[1])
+    hunters = list(dict.fromkeys(one.match.seating[:-1] for one in played))
+    joined = on_side(played, parties, "prey")
+    assert len(joined) == len(hunters)
+    for one, group in zip(joined, hunters, strict=True):
+        expected = [caught[(*group, prey)] for prey in one.seating]
+        assert list(one.scores) == expected
+        assert (expected[0] < expected[1]) == (one.ranks[0] < one.ranks[1])

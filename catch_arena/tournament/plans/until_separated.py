@@ -5,13 +5,12 @@ from itertools import islice
 from typing import Final
 
 from catch_arena.errors import ConfigError
-from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FixedPlan
+from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.separation import Separation, next_look, separation
-from catch_arena.tournament.statistics.sides import on_side
 
 BUDGET: Final = 10_000
 """Default budget of a plan [matches]."""
@@ -63,13 +62,10 @@ class UntilSeparated:
         matches = list(played)
         blocks = len({one.match.block for one in matches})
         if matches:
-            looks = [self._look(matches, side) for side in self._parties.sides]
+            sides = (SideResults.of(self._entrants, matches, self._parties, side) for side in self._parties.sides)
+            looks = [separation(side, self._confidence) for side in sides]
             self.last = max(looks, key=lambda look: (not look.clear, look.p))
             if self.last.clear:
                 return ()
         rounds_then = -(-next_look(blocks) // self._round)
         return islice(self._whole.blocks(), blocks, rounds_then * self._round)
-
-    def _look(self, matches: Sequence[PlayedMatch], side: Side) -> Separation:
-        entrants = [entrant.on(side) for entrant in self._entrants]
-        return separation(entrants, on_side(matches, self._parties, side), self._confidence)

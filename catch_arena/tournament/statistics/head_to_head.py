@@ -1,16 +1,12 @@
 """Results of each entrant against each other."""
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from catch_arena.policy import Side
-from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.statistics.intervals import Estimate, shares
-from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, Pairs, sums_by
+from catch_arena.tournament.statistics.outcomes import Floats, Pairs, SideResults, sums_by
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,15 +29,9 @@ class Encounter:
     """
 
 
-def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], side: Side = "hunter") -> list[Encounter]:
-    """Return the results of all ordered pairs of different entrants that played, in the entrants' order.
-
-    Args:
-        entrants: the entrants of the tournament.
-        played: the matches of one side (sides.py).
-        side: the side.
-    """
-    outcomes = Outcomes.of(len(entrants), played)
+def head_to_head(results: SideResults) -> list[Encounter]:
+    """Return the results of all ordered pairs of different entrants that played, in the entrants' order."""
+    entrants, outcomes = results.entrants, results.outcomes
     pairs = Pairs.of(outcomes)
     wins, ties = pairs.table(1), pairs.table(0)
     met = wins + wins.T + ties
@@ -64,7 +54,7 @@ def head_to_head(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], sid
     with_matches = np.flatnonzero(totals)
 
     def improvement(i: int, j: int) -> float:
-        better, worse = (i, j) if side == "hunter" else (j, i)
+        better, worse = (i, j) if results.side == "hunter" else (j, i)
         return float(histogram[better] @ below_or_half[worse] / (totals[i] * totals[j]))
 
     return [

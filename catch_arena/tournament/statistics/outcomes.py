@@ -2,12 +2,19 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.tournament.match import MatchResult, PlayedMatch
+from catch_arena.policy import Side
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.statistics.sides import SideMatch, on_side
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
 
 Floats: TypeAlias = NDArray[np.floating[Any]]
 Ints: TypeAlias = NDArray[np.int64]
@@ -15,7 +22,7 @@ Ints: TypeAlias = NDArray[np.int64]
 
 @dataclass(frozen=True, slots=True)
 class Outcomes:
-    """Outcomes of N matches of H parties (parties.py); a party is a seat if there are no teams."""
+    """Outcomes of N matches of H parties (parties.py) on one side; a party is a seat if there are no teams."""
 
     entrants: int
     block: Ints
@@ -28,16 +35,16 @@ class Outcomes:
     """Rank of each party, (N, H): 1 is best, equal ones tie; from 2 on if all forfeited, as no party wins then."""
 
     @classmethod
-    def of(cls, entrants: int, played: Sequence[PlayedMatch]) -> "Outcomes":
-        """Return the outcomes in the order of the plan, so that sums do not depend on the order of play."""
-        in_order = sorted(played, key=lambda one: one.match)
-        shape = (len(in_order), len(in_order[0].match.seating) if in_order else 0)
+    def of(cls, entrants: int, matches: Sequence[SideMatch]) -> "Outcomes":
+        """Return the outcomes of matches in the order of the plan, so that sums do not depend on the order of play."""
+        shape = (len(matches), len(matches[0].seating) if matches else 0)
+        ranks = [[rank + (None not in one.forfeits) for rank in one.ranks] for one in matches]
         return cls(
             entrants,
-            np.unique([one.match.block for one in in_order], return_inverse=True)[1].astype(np.int64),
-            np.array([one.match.seating for one in in_order], dtype=np.int64).reshape(shape),
-            np.array([one.result.scores for one in in_order], dtype=np.int64).reshape(shape),
-            np.array([_ranks(one.result) for one in in_order], dtype=np.int64).reshape(shape),
+            np.unique([one.block for one in matches], return_inverse=True)[1].astype(np.int64),
+            np.array([one.seating for one in matches], dtype=np.int64).reshape(shape),
+            np.array([one.scores for one in matches], dtype=np.int64).reshape(shape),
+            np.array(ranks, dtype=np.int64).reshape(shape),
         )
 
     @property
@@ -57,8 +64,31 @@ class Outcomes:
         return won
 
 
-def _ranks(result: MatchResult) -> list[int]:
-    return [rank + (None not in result.forfeits) for rank in result.ranks]
+@dataclass(frozen=True)
+class SideResults:
+    """Results of one side; without prey there is only the side of the hunters."""
+
+    side: Side
+    entrants: Sequence[Entrant]
+    """Entrants, as they play on this side."""
+    played: Sequence[PlayedMatch]
+    """Matches, with all their parties."""
+    parties: slice
+    """Parties of this side in a match."""
+    outcomes: Outcomes
+
+    @classmethod
+    def of(
+        cls,
+        entrants: Sequence[Entrant],
+        played: Sequence[PlayedMatch],
+        parties: Parties | None = None,
+        side: Side = "hunter",
+    ) -> "Self":
+        """Return the results of a side; the arguments are those of `on_side`."""
+        cut = slice(None) if parties is None else parties.on(side)
+        outcomes = Outcomes.of(len(entrants), on_side(played, parties, side))
+        return cls(side, [entrant.on(side) for entrant in entrants], played, cut, outcomes)
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,9 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import PlayedMatch
-from catch_arena.tournament.statistics.outcomes import Floats, Outcomes
+from catch_arena.tournament.statistics.outcomes import Floats, SideResults
 from catch_arena.tournament.statistics.ratings import Ratings, rate
 from catch_arena.tournament.statistics.tail_probabilities import fair_coin_tail, student_tail
 
@@ -101,17 +99,16 @@ def next_look(blocks: int) -> int:
     return look
 
 
-def separation(entrants: Sequence[Entrant], played: Sequence[PlayedMatch], confidence: float = 0.95) -> Separation:
+def separation(results: SideResults, confidence: float = 0.95) -> Separation:
     """Return whether the order of all entrants is clear, with the least clear pair.
 
     Call it once for each `next_look`. Frequent looks would find false differences, so the k-th look has the share
     1 / (k (k + 1)) of the error that `confidence` allows; the sum over all k is 1. A reported order is wrong with a
     probability of at most 1 - confidence, for any number of looks.
     """
-    outcomes = Outcomes.of(len(entrants), played)
-    higher, lower, p = least_separated(rate(outcomes))
-    level = level_of_look(outcomes.blocks, confidence)
-    return Separation(p < level, (entrants[higher].name, entrants[lower].name), p, level)
+    higher, lower, p = least_separated(rate(results.outcomes))
+    level = level_of_look(results.outcomes.blocks, confidence)
+    return Separation(p < level, (results.entrants[higher].name, results.entrants[lower].name), p, level)
 
 
 def least_separated(ratings: Ratings) -> tuple[int, int, float]:

@@ -6,69 +6,58 @@ they had the same opponents, in the same places.
 """
 
 from collections.abc import Sequence
-from dataclasses import replace
-from itertools import groupby
-from typing import Any, Final
+from typing import NamedTuple
 
 from catch_arena.policy import Side
-from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.match import Forfeit, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.ranks import ranks_of_sides
 
-_BY_PARTY: Final = (
-    "scores",
-    "verdicts",
-    "contests_won",
-    "contests_lost",
-    "lost_to_mates",
-    "forfeits",
-    "thinking",
-)
-"""Parts of a result that are tuples by party, and keep their values in the matches of one side."""
+
+class SideMatch(NamedTuple):
+    """Match of the parties of one side, or several matches that are joined to one."""
+
+    block: int
+    seating: tuple[int, ...]
+    """Player of each party, as an index among the entrants."""
+    scores: tuple[int, ...]
+    ranks: tuple[int, ...]
+    forfeits: tuple[Forfeit | None, ...]
 
 
-def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side) -> Sequence[PlayedMatch]:
-    """Return the matches of one side; without prey they are unchanged.
+def on_side(played: Sequence[PlayedMatch], parties: Parties | None = None, side: Side = "hunter") -> list[SideMatch]:
+    """Return the matches of one side in the order of the plan.
 
     Args:
         played: matches in whole blocks.
-        parties: the parties of the arena.
+        parties: the parties of the arena; None if all parties of a match are compared.
         side: the side.
     """
-    if len(parties.sides) == 1:
-        return played
-    cut = parties.on(side)
-    if len(parties.seats[cut]) > 1:
-        return [_slice_parties(one, cut) for one in played]
+    in_order = sorted(played, key=lambda one: one.match)
+    cut = slice(None) if parties is None else parties.on(side)
+    matches = [
+        SideMatch(
+            one.match.block,
+            one.match.seating[cut],
+            one.result.scores[cut],
+            one.result.ranks[cut],
+            one.result.forfeits[cut],
+        )
+        for one in in_order
+    ]
+    if parties is None or len(parties.sides) == 1 or len(parties.seats[cut]) > 1:
+        return matches
     other = parties.on("prey" if side == "hunter" else "hunter")
-
-    def opponents(one: PlayedMatch) -> tuple[int, tuple[int, ...]]:
-        return one.match.block, one.match.seating[other]
-
-    alike = groupby(sorted(played, key=lambda one: (*opponents(one), one.match.id)), key=opponents)
-    return [_join([_slice_parties(one, cut) for one in matches], side) for _, matches in alike]
+    alike: dict[tuple[int, tuple[int, ...]], list[SideMatch]] = {}
+    for one, match in zip(in_order, matches, strict=True):
+        alike.setdefault((match.block, one.match.seating[other]), []).append(match)
+    return [_join(found, side) for found in alike.values()]
 
 
-def _slice_parties(one: PlayedMatch, cut: slice) -> PlayedMatch:
-    match, result = one.match, one.result
-    return replace(
-        one,
-        match=replace(match, seating=match.seating[cut], agent_seeds=match.agent_seeds[cut]),
-        result=replace(result, **{name: getattr(result, name)[cut] for name in (*_BY_PARTY, "ranks", "logs")}),
-    )
-
-
-def _join(matches: Sequence[PlayedMatch], side: Side) -> PlayedMatch:
+def _join(matches: Sequence[SideMatch], side: Side) -> SideMatch:
     """Return one match that joins matches with one party each."""
-    first, results = matches[0], [one.result for one in matches]
-    joined: dict[str, Any] = {
-        name: tuple(value for result in results for value in getattr(result, name)) for name in _BY_PARTY
-    }
-    lasted = [None if one is None else one.step for one in joined["forfeits"]]
-    ranks = ranks_of_sides(joined["scores"], lasted, len(lasted) if side == "hunter" else 0)
-    return replace(
-        first,
-        match=replace(first.match, seating=tuple(index for one in matches for index in one.match.seating)),
-        result=replace(first.result, **joined, ranks=ranks, logs=()),
-        replay=None,
-    )
+    scores = tuple(one.scores[0] for one in matches)
+    forfeits = tuple(one.forfeits[0] for one in matches)
+    lasted = [None if one is None else one.step for one in forfeits]
+    ranks = ranks_of_sides(scores, lasted, len(scores) if side == "hunter" else 0)
+    return SideMatch(matches[0].block, tuple(one.seating[0] for one in matches), scores, ranks, forfeits)

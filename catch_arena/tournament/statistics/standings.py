@@ -12,10 +12,9 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.intervals import Estimate, estimates, ratios, shares
-from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.outcomes import Outcomes, SideResults
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups
-from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.verdicts import Verdict
 
 _DIGITS = 6
@@ -67,17 +66,14 @@ def standings_of_sides(
     entrants: Sequence[Entrant], played: Sequence[PlayedMatch], parties: Parties
 ) -> dict[Side, list[Standing]]:
     """Return a table for each side, from its own results only (R12.7)."""
-    return {
-        side: standings([entrant.on(side) for entrant in entrants], on_side(played, parties, side))
-        for side in parties.sides
-    }
+    return {side: standings(SideResults.of(entrants, played, parties, side)) for side in parties.sides}
 
 
-def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> list[Standing]:
+def standings(results: SideResults) -> list[Standing]:
     """Return the table of the entrants that played, highest rating first; the order of play does not change it."""
-    if not played:
+    if not results.played:
         return []
-    outcomes = Outcomes.of(len(entrants), played)
+    entrants, outcomes = results.entrants, results.outcomes
     counts = outcomes.by_block()
     totals = counts.sum(axis=0)
     ratings = rate(outcomes)
@@ -89,8 +85,10 @@ def standings(entrants: Sequence[Entrant], played: Sequence[PlayedMatch]) -> lis
     verdicts: list[Counter[str]] = [Counter() for _ in entrants]
     forfeits: list[Counter[str]] = [Counter() for _ in entrants]
     won, lost, to_mates = ([0] * len(entrants) for _ in range(3))
-    for one in played:
-        for party, index in enumerate(one.match.seating):
+    of_side = range(len(results.played[0].match.seating))[results.parties]
+    for one in results.played:
+        for party in of_side:
+            index = one.match.seating[party]
             verdicts[index].update(one.result.verdicts[party])
             if forfeit := one.result.forfeits[party]:
                 forfeits[index][forfeit.code] += 1

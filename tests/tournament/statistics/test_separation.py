@@ -11,7 +11,7 @@ from tournament.seats import hunters
 
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.plans.schedule import plan_of
-from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.outcomes import Outcomes, SideResults
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups, holm, level_of_look, next_look, p_values, separation
 
@@ -42,7 +42,7 @@ def test_equals_are_told_apart_as_seldom_as_docs_ratings_says():
 
 def test_the_order_is_clear_once_there_is_enough_and_the_hardest_pair_is_named():
     rates = (20.0, 10.0, 12.0)
-    early, late = (separation(THREE, played(blocks, rates)) for blocks in (12, 400))
+    early, late = (separation(SideResults.of(THREE, played(blocks, rates))) for blocks in (12, 400))
     assert not early.clear
     assert early.p > late.p
     assert (late.clear, late.pair) == (True, ("c", "b"))
@@ -51,11 +51,11 @@ def test_the_order_is_clear_once_there_is_enough_and_the_hardest_pair_is_named()
 
 def test_one_that_never_wins_is_certainly_worse():
     """Though its rating could be anything far below."""
-    found = played(40, (30.0, 10.0, 0.0))
-    ratings = rate(Outcomes.of(3, found))
+    found = SideResults.of(THREE, played(40, (30.0, 10.0, 0.0)))
+    ratings = rate(found.outcomes)
     assert ratings.blocks_above.tolist() == [[0, 40, 40], [0, 0, 40], [0, 0, 0]]
     assert p_values(ratings)[0, 2] <= 2 * 2 / 2**40
-    assert separation(THREE, found).clear
+    assert separation(found).clear
 
 
 def test_agents_that_always_come_last_do_not_hide_the_order_of_the_others():
