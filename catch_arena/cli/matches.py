@@ -37,8 +37,7 @@ from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 if TYPE_CHECKING:  # heavy
-    from catch_arena.tournament.plans.schedule import FixedPlan
-    from catch_arena.tournament.plans.until_separated import UntilSeparated
+    from catch_arena.tournament.plans.schedule import Plan
     from catch_arena.tournament.statistics.standings import Standing
 
 
@@ -105,7 +104,8 @@ def tournament(
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
-    from catch_arena.tournament.plans.schedule import FixedPlan, require_enough
+    from catch_arena.tournament.plans.schedule import require_enough
+    from catch_arena.tournament.plans.until_separated import UntilSeparated
     from catch_arena.tournament.standings_files import write_standings
     from catch_arena.tournament.statistics.standings import standings_of_sides
 
@@ -119,7 +119,7 @@ def tournament(
     begun = Store.tournament_in(out) if resume else None
     secret = given or (begun.secret if begun else Secret.of(None))
     plan = _plan(form, entrants, parties, rounds, until_separated, max_matches, secret)
-    size = f"{plan.size}" if isinstance(plan, FixedPlan) else f"at most {plan.size}"
+    size = f"at most {plan.size}" if isinstance(plan, UntilSeparated) else f"{plan.size}"
     worker = Worker(config, entrants, record, quotas)
     about = Tournament(config, entrants, plan.parameters, secret.text, terms_of(quotas, max_forfeits, recorded=record))
     new = not (out / STORE).exists()
@@ -144,7 +144,7 @@ def tournament(
             played = store.count_played()
             write_standings(out, about, played, tables)
         _print_standings(tables, entrants)
-        if not isinstance(plan, FixedPlan) and plan.last is not None:
+        if isinstance(plan, UntilSeparated) and plan.last is not None:
             echo(f"after {played} matches, {plan.last}")
         if (out / LOGS).exists():
             echo(f"what agents printed, and how they failed: {out / LOGS}")
@@ -161,7 +161,7 @@ def _plan(
     until_separated: float | None,
     max_matches: int | None,
     secret: Secret,
-) -> "FixedPlan | UntilSeparated":
+) -> "Plan":
     """Return the plan that the options describe.
 
     Raises:
@@ -172,7 +172,7 @@ def _plan(
 
     most = max_matches or (MOST_IN_A_ROUND if until_separated is None else BUDGET)
 
-    def plan_with(number: int | None) -> "FixedPlan":
+    def plan_with(number: int | None) -> "Plan":
         return plan_of(form, len(entrants), parties, number, secret, most)
 
     if until_separated is not None:

@@ -15,7 +15,7 @@ from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.execution.cost import Cost, match_counts, measure_cost
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.plans.schedule import FixedPlan, Plan
+from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.plans.until_separated import UntilSeparated
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
@@ -63,7 +63,7 @@ def plan_table(plan: Plan, worker: Worker, jobs: int, max_forfeits: int) -> Tabl
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
     most_matches = plan.size
-    if isinstance(plan, FixedPlan):
+    if not isinstance(plan, UntilSeparated):
         with progress_bar("planning") as show:
             played, met = match_counts(plan, len(worker.entrants), show)
         most_matches = played[1]

@@ -15,7 +15,7 @@ from catch_arena.errors import ConfigError, suggest
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.match import Block
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.plans.schedule import FixedPlan, round_robin
+from catch_arena.tournament.plans.schedule import Plan, round_robin
 from catch_arena.tournament.secret import Secret
 
 TRAINING_OPPONENTS: Final = ("first", "nearest", "contested", "contested_by_time", "patrol")
@@ -77,7 +77,7 @@ class Suite:
         """Return the secret from which all seeds of a scenario's matches follow."""
         return Secret.of(self.seed).part("suite", self.scenarios.index(scenario))
 
-    def plan(self, scenario: SuiteScenario, blocks: int) -> FixedPlan:
+    def plan(self, scenario: SuiteScenario, blocks: int) -> Plan:
         """Return the matches of one agent in a scenario: entrant 0 is the agent, the others are its opponents.
 
         A plan with fewer blocks has the first blocks of a longer plan.
@@ -91,7 +91,7 @@ class Suite:
 
         # without the number of blocks, so that the matches of a first look are not played again
         parameters = {"format": "suite", "suite": self.name, "scenario": scenario.name}
-        return FixedPlan(parameters, roles.size, lambda: map(seated, roles.blocks()))
+        return Plan(parameters, roles.size, lambda: map(seated, roles.blocks()))
 
     @cached_property
     def digest(self) -> str:

@@ -18,7 +18,7 @@ from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import PlayedMatch
-from catch_arena.tournament.plans.schedule import FixedPlan
+from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 
@@ -139,7 +139,7 @@ class Evaluation:
         facts = Tournament(scenario.config, self.entrants(scenario), parameters, secret.text, terms)
         return Store.begin(facts, prepare_folder(self._folder(scenario)), resume=True)
 
-    def _plan(self, scenario: SuiteScenario) -> FixedPlan:
+    def _plan(self, scenario: SuiteScenario) -> Plan:
         return self.suite.plan(scenario, self.blocks)
 
     def _worker(self, scenario: SuiteScenario) -> Worker:

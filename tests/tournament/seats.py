@@ -6,7 +6,7 @@ from itertools import groupby
 from catch_arena.config import ArenaConfig
 from catch_arena.tournament.match import Block, Match
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.plans.schedule import FixedPlan
+from catch_arena.tournament.plans.schedule import Plan
 
 
 def hunters(count: int) -> Parties:
@@ -14,9 +14,9 @@ def hunters(count: int) -> Parties:
     return Parties.of(ArenaConfig(hunters=count))
 
 
-def listed(matches: Sequence[Match]) -> FixedPlan:
+def listed(matches: Sequence[Match]) -> Plan:
     """Return the plan of these very matches, which stand by block."""
-    return FixedPlan({"format": "listed"}, len(matches), lambda: iter(blocks_of(matches)))
+    return Plan({"format": "listed"}, len(matches), lambda: iter(blocks_of(matches)))
 
 
 def blocks_of(matches: Iterable[Match]) -> list[Block]:

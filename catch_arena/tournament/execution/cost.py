@@ -12,7 +12,7 @@ from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.execution.executors import Executor, ProcessExecutor
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.plans.schedule import FixedPlan, Plan
+from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.store import store_bytes
 
 _SAMPLE_S: Final = 2.0
@@ -65,7 +65,7 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
 
 
 def match_counts(
-    plan: FixedPlan, entrants: int, progress: Callable[[int, int], None] = lambda *_: None
+    plan: Plan, entrants: int, progress: Callable[[int, int], None] = lambda *_: None
 ) -> tuple[tuple[int, int], tuple[int, int]]:
     """Return (least, most) of the matches of an entrant, and (least, most) of the common matches of a pair."""
     played = [0] * entrants

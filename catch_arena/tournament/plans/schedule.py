@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
 from math import ceil, comb
-from typing import Final, Protocol
+from typing import Final
 
 from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.errors import ConfigError
@@ -25,39 +25,26 @@ _BLOCKS_OF_EACH: Final = 10
 """Smallest number of blocks for each entrant if no rounds are given: all figures have an interval then."""
 
 
-class Plan(Protocol):
-    """Matches to play, in stages: the blocks of one stage do not depend on each other's results."""
+@dataclass
+class Plan:
+    """Matches to play, which are made again in each iteration; none is kept in memory."""
 
-    @property
-    def parameters(self) -> Mapping[str, str | int | float]:
-        """Parameters of the plan, without its secret; equal ones make equal plans for as many entrants and seats."""
-
-    @property
-    def size(self) -> int:
-        """Number of matches of the plan; the largest possible number if it depends on their results."""
-
-    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """Return the blocks of a stage; none after the last stage.
-
-        Args:
-            number: the stage, from 0.
-            played: all matches of the earlier stages.
-        """
-
-
-@dataclass(frozen=True, slots=True)
-class FixedPlan:
-    """Plan of one stage, which makes its blocks again in each iteration and keeps none in memory."""
-
-    parameters: Mapping[str, str | int]
+    parameters: Mapping[str, str | int | float]
+    """Parameters of the plan, without its secret; equal ones make equal plans for as many entrants and seats."""
     size: int
+    """Number of matches; the largest possible number if the plan may end earlier."""
     blocks: Callable[[], Iterator[Block]] = field(repr=False)
 
     def __iter__(self) -> Iterator[Match]:
         return (match for block in self.blocks() for match in block)
 
     def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """Return all blocks for stage 0, and none for later stages."""
+        """Return the blocks of a stage, which do not depend on each other's results; none after the last stage.
+
+        Args:
+            number: the stage, from 0. This plan has one.
+            played: all matches of the earlier stages.
+        """
         del played
         return () if number else self.blocks()
 
@@ -69,7 +56,7 @@ def plan_of(
     rounds: int | None,
     seed: Secret | int,
     most: int = MOST_IN_A_ROUND,
-) -> FixedPlan:
+) -> Plan:
     """Return the plan of a format: each round has a block for each group of entrants, or for a balanced sample of them.
 
     A block has one seed, draws a circular order of its players, and plays every rotation of it: each player sits in
@@ -116,10 +103,10 @@ def plan_of(
                 players = (*first, *(player + len(first) for player in group))
                 yield block_of(players, secret, turn * count + index, f"r{turn + 1:05d}-g{index + 1:06d}", parties)
 
-    return FixedPlan({"format": "balanced" if sampled and not first else wanted, "rounds": rounds}, size, blocks)
+    return Plan({"format": "balanced" if sampled and not first else wanted, "rounds": rounds}, size, blocks)
 
 
-def round_robin(entrants: int, parties: Parties, rounds: int, seed: Secret | int) -> FixedPlan:
+def round_robin(entrants: int, parties: Parties, rounds: int, seed: Secret | int) -> Plan:
     """Return a plan with one block for each group of entrants in each round."""
     return plan_of("round-robin", entrants, parties, rounds, seed, _MOST_MATCHES)
 

@@ -1,6 +1,6 @@
 """Plan that goes on until the order of all entrants is clear, or its budget is spent."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from itertools import islice
 from typing import Final
 
@@ -8,7 +8,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.plans.schedule import FixedPlan
+from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.separation import Separation, next_look, separation
 
@@ -16,7 +16,7 @@ BUDGET: Final = 10_000
 """Default budget of a plan [matches]."""
 
 
-class UntilSeparated:
+class UntilSeparated(Plan):
     """Plan of whole rounds of a format, which ends after the first stage whose standings have a clear order.
 
     The budget is not one of the plan's parameters: a resumed tournament may raise it.
@@ -35,7 +35,7 @@ class UntilSeparated:
         entrants: Sequence[Entrant],
         confidence: float,
         budget: int,
-        rounds: Callable[[int], FixedPlan],
+        rounds: Callable[[int], Plan],
         parties: Parties,
     ) -> None:
         if not 0.5 <= confidence < 1:
@@ -43,16 +43,13 @@ class UntilSeparated:
         one = rounds(1)
         if budget < one.size:
             raise ConfigError(f"max_matches must be at least {one.size}, the matches of one round, got {budget}")
-        self._whole = rounds(budget // one.size)
-        self._round = sum(1 for _ in one.blocks())
+        whole = rounds(budget // one.size)
+        kept = {name: value for name, value in one.parameters.items() if name != "rounds"}
+        super().__init__({**kept, "until_separated": confidence}, whole.size, whole.blocks)
+        self._round = one.size // parties.block_size
         self._entrants, self._parties = entrants, parties
         # with two orders, each gets half of the allowed error
         self._confidence = confidence if len(parties.sides) == 1 else (1.0 + confidence) / 2.0
-        self.parameters: Mapping[str, str | int | float] = {
-            **{name: value for name, value in one.parameters.items() if name != "rounds"},
-            "until_separated": confidence,
-        }
-        self.size = self._whole.size
         self.last: Separation | None = None
         """Result of the last look at the standings; None before the first one."""
 
@@ -68,4 +65,4 @@ class UntilSeparated:
             if self.last.clear:
                 return ()
         rounds_then = -(-next_look(blocks) // self._round)
-        return islice(self._whole.blocks(), blocks, rounds_then * self._round)
+        return islice(self.blocks(), blocks, rounds_then * self._round)
