@@ -149,8 +149,7 @@ class _RunningMatch:
         """
         self.step += 1
         shown = {seat: _observation(observations[agent], infos[agent]) for seat, agent in self._playing.items()}
-        self.forfeit(self._collect_actions(shown), shown)
-        self.forfeit(self._check_actions(), shown)
+        self.forfeit(self._ask(shown), shown)
         observations, _, _, _, infos = self._env.step(self._actions)
         self._actions.clear()
         self._count(infos)
@@ -187,11 +186,11 @@ class _RunningMatch:
             catches=tuple(catches) if teams else (),
         )
 
-    def _collect_actions(self, shown: Mapping[int, Observation]) -> dict[int, Fault]:
-        """Ask the seats in `shown` for their actions, and keep them.
+    def _ask(self, shown: Mapping[int, Observation]) -> dict[int, Fault]:
+        """Ask the seats in `shown` for their actions, and keep the legal ones.
 
         Returns:
-            The faults of seats without an action, by seat.
+            The faults of seats without a legal action, by seat.
         """
         faults: dict[int, Fault] = {}
         for seat, (action, seconds, fault) in self._players.act(shown).items():
@@ -199,33 +198,27 @@ class _RunningMatch:
             self._moves[party] += 1
             self._total_s[party] += seconds
             self._longest_s[party] = max(self._longest_s[party], seconds)
-            if fault is None:
-                self._actions[self._agents[seat]] = action
-            else:
+            if fault is not None:
                 faults[seat] = fault
-        return faults
-
-    def _check_actions(self) -> dict[int, Fault]:
-        """Check the actions of the remaining players; velocities out of bounds are refused here, and not clipped.
-
-        Returns:
-            The faults of seats with an illegal action, by seat.
-        """
-        faults: dict[int, Fault] = {}
-        for seat, agent in self._playing.items():
-            control, action = self._controls[seat], self._actions[agent]
-            if control == "target" and type(action) is int and 0 <= action <= self._ranks:
-                continue  # the usual case without another call
-            try:
-                choice, command = checked_action(control, agent, action, self._ranks)
-            except ActionError as refused:
-                faults[seat] = Fault("FORFEIT_ILLEGAL", str(refused).removeprefix(f"{agent}: "))
                 continue
-            if control == "target":
-                self._actions[agent] = choice
-            else:
-                self._actions[agent] = command if control == "velocity" else {"cmd_vel": command, "catch": choice}
+            usual = self._controls[seat] == "target" and type(action) is int and 0 <= action <= self._ranks
+            try:
+                self._actions[self._agents[seat]] = action if usual else self._checked(seat, action)
+            except ActionError as refused:
+                faults[seat] = Fault("FORFEIT_ILLEGAL", str(refused).removeprefix(f"{self._agents[seat]}: "))
         return faults
+
+    def _checked(self, seat: int, action: object) -> Any:
+        """Return an action as the env takes it; velocities out of bounds are refused here, and not clipped.
+
+        Raises:
+            ActionError: for an action that is not legal.
+        """
+        control = self._controls[seat]
+        choice, command = checked_action(control, self._agents[seat], action, self._ranks)
+        if control == "full":
+            return {"cmd_vel": command, "catch": choice}
+        return choice if control == "target" else command
 
     def _count(self, infos: _Infos) -> None:
         """Count the verdicts and contests of a step: each contest has one winner, and a party wins or loses it once."""
