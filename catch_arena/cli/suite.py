@@ -66,7 +66,7 @@ def suite(
     from catch_arena.cli.tables import duration, with_interval
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
     from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
-    from catch_arena.suite.measures import DIGITS, facts_of, measure, over_training_runs
+    from catch_arena.suite.measures import facts_of, measure, over_training_runs
     from catch_arena.suite.references import references
     from catch_arena.tournament.execution.executors import usable_cores
     from catch_arena.tournament.isolation.playing import sandbox_for
@@ -137,7 +137,7 @@ def suite(
     if json is not None:
         figures: dict[str, Any] = {"agents": [facts_of(chosen, measures, known) for measures in measured]}
         if runs:
-            figures["method_iqm"] = {part.replace(" ", "_"): one.to_dict(DIGITS) for part, one in method.items()}
+            figures["method_iqm"] = {part.replace(" ", "_"): one.to_dict() for part, one in method.items()}
         write_whole(json, f"{dumps(figures, indent=1)}\n".encode())
         echo(f"figures: {json}")
     echo(f"matches: {out}")

@@ -18,7 +18,7 @@ from catch_arena.tournament.statistics.aggregates import (
     performance_profile,
     probability_of_improvement,
 )
-from catch_arena.tournament.statistics.intervals import Estimate, ratios
+from catch_arena.tournament.statistics.intervals import Estimate, ratios, rounded
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, SideResults
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import LEVEL, holm, p_values
@@ -28,8 +28,6 @@ PROFILE_LEVELS = tuple(level / 20 for level in range(20))
 """Score levels of the performance profile, from 0 to 0.95."""
 AGENT = 0
 """The agent's index among the entrants of a suite's matches."""
-DIGITS = 6
-"""Decimal places of the figures that programs read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -138,7 +136,7 @@ def measure_scenario(
         name=scenario.name,
         held_out=scenario.held_out,
         by_block=tuple(by_block),
-        score=Estimate(score.mean, max(score.low, 0.0), min(score.high, 1.0)) if not math.isnan(score.low) else score,
+        score=score.as_share,
         win_share=line.win_share,
         place=line.place,
         of=len(table),
@@ -211,19 +209,19 @@ def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Map
         "agent_digest": measures.agent.digest,
         "control": measures.agent.control,
         "iqm": {
-            "training": measures.training.to_dict(DIGITS),
-            "held_out": measures.held_out.to_dict(DIGITS),
-            "gap": measures.gap.to_dict(DIGITS),
+            "training": measures.training.to_dict(),
+            "held_out": measures.held_out.to_dict(),
+            "gap": measures.gap.to_dict(),
         },
         "probability_of_improvement": {
-            name: {part: measures.improvement(scores, held_out=held_out).to_dict(DIGITS) for part, held_out in parts}
+            name: {part: measures.improvement(scores, held_out=held_out).to_dict() for part, held_out in parts}
             for name, scores in references.items()
         },
         "performance_profile": {
             "levels": list(PROFILE_LEVELS),
             **{
                 part: [
-                    one.to_dict(DIGITS)
+                    one.to_dict()
                     for one in performance_profile(measures.table(held_out=held_out), np.array(PROFILE_LEVELS))
                 ]
                 for part, held_out in parts
@@ -232,20 +230,16 @@ def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Map
         "scenarios": {
             one.name: {
                 "held_out": one.held_out,
-                "score": one.score.to_dict(DIGITS),
+                "score": one.score.to_dict(),
                 "score_by_block": list(one.by_block),
-                "win_share": one.win_share.to_dict(DIGITS),
+                "win_share": one.win_share.to_dict(),
                 "place": one.place,
                 "of": one.of,
                 "first": one.first,
                 "matches": one.matches,
                 "forfeits": dict(one.forfeits),
-                "move_ms": _number(one.move_ms),
+                "move_ms": rounded(one.move_ms),
             }
             for one in measures.scenarios
         },
     }
-
-
-def _number(value: float) -> float | None:
-    return None if math.isnan(value) else round(value, DIGITS)

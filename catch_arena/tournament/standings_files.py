@@ -6,7 +6,6 @@ They do not depend on time, machine or the number of processes: the same plan wr
 import csv
 import io
 import json
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, Final
@@ -16,13 +15,12 @@ from catch_arena.files import write_whole
 from catch_arena.policy import Side
 from catch_arena.text import spreadsheet_cell
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.statistics.intervals import Estimate
+from catch_arena.tournament.statistics.intervals import Estimate, rounded
 from catch_arena.tournament.statistics.standings import Standing
 from catch_arena.tournament.store import Tournament
 
 SUMMARY: Final = "standings.json"
 TABLES: Final[Mapping[Side, str]] = {"hunter": "standings.csv", "prey": "prey_standings.csv"}
-_DIGITS: Final = 6
 
 
 def write_standings(
@@ -72,7 +70,7 @@ def _entrant_columns(entrant: Entrant, *, with_prey: bool) -> dict[str, str]:
 
 
 def _whole(standing: Standing) -> dict[str, Any]:
-    refusals = {name: _plain(often) for name, often in standing.refusals.items()}
+    refusals = {name: rounded(often) for name, often in standing.refusals.items()}
     return _flat(standing) | {"refusals": refusals, "forfeits": standing.forfeits}
 
 
@@ -95,11 +93,4 @@ def _flat(standing: Standing) -> dict[str, Any]:
         "refused": standing.refused,
         "forfeits": sum(standing.forfeits.values()),
     }
-    return {key: _plain(value) for key, value in row.items()}
-
-
-def _plain(value: Any) -> Any:
-    """Return a value for a file: numbers are rounded, so that the last bit of a sum does not show; NaN is None."""
-    if not isinstance(value, float):
-        return value
-    return None if math.isnan(value) else round(value, _DIGITS)
+    return {name: rounded(value) if isinstance(value, float) else value for name, value in row.items()}

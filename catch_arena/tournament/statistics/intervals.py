@@ -15,6 +15,8 @@ RESAMPLES: Final = 2000
 """Number of bootstrap resamples of the blocks."""
 FEWEST_BLOCKS: Final = 4
 """Smallest number of blocks for an interval: fewer may be equal by chance."""
+_DIGITS: Final = 6
+"""Number of decimals in files."""
 _CONFIDENCE: Final = 0.95
 _BATCH: Final = 100
 _MOST_DRAWN: Final = 4096
@@ -36,10 +38,20 @@ class Estimate:
         """Half the width of the interval."""
         return (self.high - self.low) / 2
 
-    def to_dict(self, digits: int) -> dict[str, float | None]:
-        """Return `mean`, `low` and `high`, rounded to `digits` decimals; None instead of NaN."""
-        numbers = {"mean": self.mean, "low": self.low, "high": self.high}
-        return {name: None if math.isnan(number) else round(number, digits) for name, number in numbers.items()}
+    @property
+    def as_share(self) -> "Estimate":
+        """Estimate of a value in [0, 1], with its interval cut to these bounds."""
+        low, high = np.clip((self.low, self.high), 0.0, 1.0).tolist()  # NaN stays
+        return Estimate(self.mean, low, high)
+
+    def to_dict(self) -> dict[str, float | None]:
+        """Return `mean`, `low` and `high` as in files."""
+        return {"mean": rounded(self.mean), "low": rounded(self.low), "high": rounded(self.high)}
+
+
+def rounded(value: float) -> float | None:
+    """Return a figure as in files: rounded, so that the last bit of a sum does not show; None instead of NaN."""
+    return None if math.isnan(value) else round(value, _DIGITS)
 
 
 def estimates(
@@ -85,10 +97,7 @@ def shares(sums: Floats, counts: Floats) -> list[Estimate]:
         totals = counts.sum(axis=0)
         means = sums.sum(axis=0) / totals
         pseudo = (means**2 + (1.0 - means) ** 2) / totals**2
-    return [
-        Estimate(one.mean, max(one.low, 0.0), min(one.high, 1.0)) if not math.isnan(one.low) else one
-        for one in ratios(sums, counts, pseudo)
-    ]
+    return [one.as_share for one in ratios(sums, counts, pseudo)]
 
 
 def _critical(residuals: Floats, counts: Floats, correction: Floats, pseudo_variance: Floats | float) -> Floats:
