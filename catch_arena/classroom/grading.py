@@ -18,7 +18,6 @@ from catch_arena.config import RULESET
 from catch_arena.errors import AgentError, MatchFailedError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.text import last_lines
-from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.worker import Worker
@@ -74,15 +73,14 @@ def grade_submission(
         MatchFailedError: if a match could not be held.
     """
     try:
-        inspection = inspector(worker.sandbox)(resolve(submission.agent).spec)
-        (student,) = enter([submission.agent], lambda _: inspection)
+        (student,) = enter([submission.agent], inspector(worker.sandbox))
     except (AgentError, OSError) as error:  # no agent, such as a notebook, or a file that cannot be read
         why = str(error).replace(f"{submission.path.parent}/", "")
         grades = tuple(unplayed_grade(test, why, hinted=False) for test in spec.tests)
         return Graded(name=submission.name, digest=submission.digest(), grades=grades)
     if student.fault is not None:
         grades = tuple(unplayed_grade(test, student.fault) for test in spec.tests)
-        return Graded(name=submission.name, digest=student.digest, grades=grades, log=last_lines(inspection.log))
+        return Graded(name=submission.name, digest=student.digest, grades=grades, log=student.log)
     student = replace(student, name=submission.name)
     found: list[tuple[TestGrade, WorstMatch]] = []
     try:

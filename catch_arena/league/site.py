@@ -76,8 +76,7 @@ def write_site(league: League) -> Path:
         common,
         lines=lines,
         persons=persons,
-        axis=(axis := _axis([line.now for line in lines if line.now is not None])),
-        whiskers={line.entry.key: _whisker(axis, line.now) for line in lines},
+        axis=_axis([line.now for line in lines if line.now is not None]),
         chart=_chart(league.ratings, [line for line in persons if line.now][:_CURVES]),
         updated=league.ratings[-1].time[:16].replace("T", " ") if league.ratings else "",
         precision=league.rules.precision,
@@ -236,16 +235,6 @@ def _last_rating(ratings: Sequence[RatingThen], version: Version) -> RatingThen 
 
 def _axis(ratings: Iterable[RatingThen]) -> Axis:
     return Axis.over(end for one in ratings for end in (one.rating, one.low, one.high) if end is not None)
-
-
-def _whisker(axis: Axis, now: RatingThen | None) -> dict[str, float] | None:
-    if now is None:
-        return None
-    low, high = (
-        axis.at(now.rating if now.low is None else now.low),
-        axis.at(now.rating if now.high is None else now.high),
-    )
-    return {"left": low, "width": round(high - low, 2), "mean": axis.at(now.rating)}
 
 
 def _chart(ratings: Sequence[RatingThen], lines: Sequence[Line]) -> dict[str, Any] | None:

@@ -1,5 +1,6 @@
 """Store of a league: that of a tournament, with versions of the entries and their ratings over time."""
 
+import math
 from collections.abc import Iterable, Sequence
 from dataclasses import astuple, dataclass
 from datetime import datetime, timedelta
@@ -8,6 +9,7 @@ from typing import Final
 import msgspec
 
 from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.store import Store, Tournament
 
 _TABLES: Final = """
@@ -63,6 +65,12 @@ class RatingThen:
     rating: float
     low: float | None
     high: float | None
+
+    @property
+    def estimate(self) -> Estimate:
+        """Rating with its interval."""
+        low, high = (math.nan if end is None else end for end in (self.low, self.high))
+        return Estimate(self.rating, low, high)
 
 
 class LeagueStore(Store):

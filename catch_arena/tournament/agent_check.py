@@ -68,7 +68,7 @@ def check_fitness(
         return result, digests
 
     if entrant.fault is not None:
-        yield Finding("error", f"cannot begin: {entrant.fault}{_tail(inspection.log)}")
+        yield Finding("error", f"cannot begin: {entrant.fault}{_tail(entrant.log)}")
         return
     prey = f"{SHIPPED_PREY} plays prey for it" if entrant.needs_prey else "plays prey itself"
     yield Finding("ok", f"control {entrant.control}, {prey}, digest {entrant.digest}")
