@@ -38,32 +38,28 @@ class ComparisonDesign:
     parties: Parties
     field: int
 
-    @property
-    def seats(self) -> int:
-        """Number of players in a block."""
-        return self.parties.group
-
     def __post_init__(self) -> None:
-        fitting = [size for size in range(self.seats) if size == self.seats - 1 or (self.seats - size) % 2 == 0]
+        seats = self.parties.group
+        fitting = [size for size in range(seats) if size == seats - 1 or (seats - size) % 2 == 0]
         if self.field not in fitting:
             raise ConfigError(
                 f"the field (--against) must be of {' or '.join(map(str, fitting))} agents, got {self.field}: a block "
-                f"has {self.seats} players, and A and B share what the field leaves free, or play it in turn"
+                f"has {seats} players, and A and B share what the field leaves free, or play it in turn"
             )
-        if self.seats < 2:
-            raise ConfigError(f"the scenario must be for at least 2 agents, got {self.seats}")
+        if seats < 2:
+            raise ConfigError(f"the scenario must be for at least 2 agents, got {seats}")
 
     @property
     def in_turn(self) -> bool:
         """True if A and B play in turn, and never meet."""
-        return self.seats - self.field == 1
+        return self.parties.group - self.field == 1
 
     def block(self, matches: Iterable[Match]) -> tuple[Match, ...]:
         """Return a block of a round robin with A, B and their field as players; if A and B play in turn, twice as long.
 
         A player that takes another's place in turn gets the same seed.
         """
-        free = self.seats - self.field
+        free = self.parties.group - self.field
         found = []
         for match in matches:
             for turn in (0, 1) if self.in_turn else (0,):
@@ -144,7 +140,7 @@ def compare(
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
     design = ComparisonDesign(Parties.of(config), len(entrants) - _FIELD)
-    plan = round_robin(design.seats, design.parties, max_blocks, Secret.of(seed).part("compare"))
+    plan = round_robin(design.parties.group, design.parties, max_blocks, Secret.of(seed).part("compare"))
     most = plan.size * (2 if design.in_turn else 1)
     shares_of_a: list[float] = []
     matches = 0

@@ -111,8 +111,8 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
     Raises:
         AgentError: in one line that names the spec and its fault.
     """
-    inspections: dict[str, Inspection] = {}
     entrants = []
+    inspect = cache(inspect)
     resolved = [resolve(spec) for spec in specs]
     for one, name in zip(resolved, unique_names(resolved), strict=True):
         if any("\ud800" <= character <= "\udfff" for character in one.spec):  # Python's form of bytes that are no text
@@ -124,9 +124,7 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
             raise AgentError(f"{one.spec!a}: {wrong}; give the file another name")
         if (wrong := missing_module(one.spec)) is not None:
             raise AgentError(f"{one.spec}: {wrong}")
-        if one.spec not in inspections:
-            inspections[one.spec] = inspect(one.spec)
-        found = inspections[one.spec]
+        found = inspect(one.spec)
         digest = one.digest(found.sources)
         fault = None if found.fault is None else one_line(found.fault)
         log = "" if fault is None else last_lines(found.log)

@@ -2,6 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Final
@@ -95,8 +96,23 @@ def play_match(
     return result
 
 
+@dataclass(slots=True, eq=False)
+class _Party:
+    """Party of a running match: its seats, its failure and its counts."""
+
+    seats: tuple[int, ...]
+    forfeit: Forfeit | None = None
+    verdicts: Counter[str] = field(default_factory=Counter)
+    contests_won: int = 0
+    contests_lost: int = 0
+    lost_to_mates: int = 0
+    moves: int = 0
+    total_s: float = 0.0
+    longest_s: float = 0.0
+
+
 class _RunningMatch:
-    """State of a match while it is played: the remaining players, the failures, and the counts."""
+    """State of a match while it is played: the remaining players, and the parties."""
 
     def __init__(
         self,
@@ -106,32 +122,26 @@ class _RunningMatch:
         on_forfeit: Callable[[int, Forfeit], None],
     ) -> None:
         self.step = 0
-        self._env, self._players, self._parties, self._on_forfeit = env, players, parties, on_forfeit
+        self._env, self._players, self._hunting, self._on_forfeit = env, players, parties.hunting, on_forfeit
         self._agents = env.possible_agents
         prey: tuple[Control] = ("velocity",)
         self._controls = env.config.controls + prey * env.config.prey
         self._ranks = env.config.targets_seen
         self._playing = dict(enumerate(self._agents))
         self._actions: dict[str, Any] = {}
-        self._forfeits: list[Forfeit | None] = [None] * len(parties)
-        self._verdicts: list[Counter[str]] = [Counter() for _ in parties.seats]
-        self._by_seat = parties.by_seat
-        self._party_of = dict(zip(self._agents, self._by_seat, strict=True))
-        self._contests_won: Counter[int] = Counter()
-        self._contests_lost: Counter[int] = Counter()
-        self._lost_to_mates: Counter[int] = Counter()
-        self._moves, self._total_s, self._longest_s = ([0] * len(parties), [0.0] * len(parties), [0.0] * len(parties))
-        """Numbers of moves and their times [s]. All attributes from `_forfeits` on are by party."""
+        self._parties = [_Party(seats) for seats in parties.seats]
+        self._by_seat = [self._parties[party] for party in parties.by_seat]
+        self._by_agent = dict(zip(self._agents, self._by_seat, strict=True))
 
     def forfeit(self, faults: Mapping[int, Fault], shown: Mapping[int, Observation]) -> None:
         """Withdraw the parties of the seats that failed in this step; `shown` has each seat's observation in it."""
         for seat, fault in sorted(faults.items()):
             party = self._by_seat[seat]
-            if self._forfeits[party] is not None:  # a team-mate has failed in the same step
+            if party.forfeit is not None:  # a team-mate has failed in the same step
                 continue
             forfeit = Forfeit(fault.code, self.step, one_line(fault.reason), shown.get(seat), seat, fault.late)
-            self._forfeits[party] = forfeit
-            for mate in self._parties.seats[party]:
+            party.forfeit = forfeit
+            for mate in party.seats:
                 if mate not in self._playing:  # it has dropped out
                     continue
                 self._on_forfeit(mate, forfeit)
@@ -163,26 +173,23 @@ class _RunningMatch:
         """Return the result of the match."""
         world = self._env.world()
         catches = [*(hunter.score for hunter in world.hunters), *(prey.times_caught for prey in world.prey)]
-        parties, forfeits = self._parties.seats, self._forfeits
+        parties = self._parties
         teams = len(parties) < len(catches)
-        scores = [sum(catches[seat] for seat in party) for party in parties]
-        lasted = [None if one is None else one.step for one in forfeits]
+        scores = [sum(catches[seat] for seat in one.seats) for one in parties]
+        lasted = [None if one.forfeit is None else one.forfeit.step for one in parties]
         logs = {self._agents[seat]: printable_lines(log) for seat, log in sorted(self._players.logs().items())}
         return MatchResult(
             scores=tuple(scores),
-            ranks=ranks_of_sides(scores, lasted, self._parties.hunting),
-            verdicts=tuple(dict(sorted(counts.items())) for counts in self._verdicts),
-            contests_won=tuple(self._contests_won[party] for party in range(len(parties))),
-            contests_lost=tuple(self._contests_lost[party] for party in range(len(parties))),
+            ranks=ranks_of_sides(scores, lasted, self._hunting),
+            verdicts=tuple(dict(sorted(one.verdicts.items())) for one in parties),
+            contests_won=tuple(one.contests_won for one in parties),
+            contests_lost=tuple(one.contests_lost for one in parties),
             steps=world.step,
             digest=self._env.digest().hex(),
-            forfeits=tuple(forfeits),
-            thinking=tuple(
-                MoveTimes(moves, round(total_s, 6), round(longest_s, 6))
-                for moves, total_s, longest_s in zip(self._moves, self._total_s, self._longest_s, strict=True)
-            ),
-            logs=tuple(_log([self._agents[seat] for seat in party], logs) for party in parties),
-            lost_to_mates=tuple(self._lost_to_mates[party] for party in range(len(parties))) if teams else (),
+            forfeits=tuple(one.forfeit for one in parties),
+            thinking=tuple(MoveTimes(one.moves, round(one.total_s, 6), round(one.longest_s, 6)) for one in parties),
+            logs=tuple(_log([self._agents[seat] for seat in one.seats], logs) for one in parties),
+            lost_to_mates=tuple(one.lost_to_mates for one in parties) if teams else (),
             catches=tuple(catches) if teams else (),
         )
 
@@ -195,9 +202,9 @@ class _RunningMatch:
         faults: dict[int, Fault] = {}
         for seat, (action, seconds, fault) in self._players.act(shown).items():
             party = self._by_seat[seat]
-            self._moves[party] += 1
-            self._total_s[party] += seconds
-            self._longest_s[party] = max(self._longest_s[party], seconds)
+            party.moves += 1
+            party.total_s += seconds
+            party.longest_s = max(party.longest_s, seconds)
             if fault is not None:
                 faults[seat] = fault
                 continue
@@ -222,20 +229,20 @@ class _RunningMatch:
 
     def _count(self, infos: _Infos) -> None:
         """Count the verdicts and contests of a step: each contest has one winner, and a party wins or loses it once."""
-        contests: dict[int, set[int]] = {}  # the parties that lost to each seat
+        contests: dict[int, set[_Party]] = {}  # the parties that lost to each seat
         for agent, info in infos.items():
-            verdict = info.get("verdict", NO_REQUEST)
-            if verdict != NO_REQUEST:
-                self._verdicts[self._party_of[agent]][Verdict(verdict).name] += 1
-                if verdict == Verdict.LOST_CONTEST:
-                    winner, loser = self._by_seat[info["winner"]], self._party_of[agent]
-                    if winner == loser:
-                        self._lost_to_mates[loser] += 1
-                    else:
-                        contests.setdefault(info["winner"], set()).add(loser)
-        for seat, parties in contests.items():
-            self._contests_won[self._by_seat[seat]] += 1
-            self._contests_lost.update(parties)
+            verdict, party = info.get("verdict", NO_REQUEST), self._by_agent[agent]
+            if verdict == NO_REQUEST:
+                continue
+            party.verdicts[Verdict(verdict).name] += 1
+            if verdict == Verdict.LOST_CONTEST and self._by_seat[info["winner"]] is party:
+                party.lost_to_mates += 1
+            elif verdict == Verdict.LOST_CONTEST:
+                contests.setdefault(info["winner"], set()).add(party)
+        for seat, losers in contests.items():
+            self._by_seat[seat].contests_won += 1
+            for party in losers:
+                party.contests_lost += 1
 
 
 def _log(agents: Sequence[str], logs: Mapping[str, str]) -> str:
