@@ -46,8 +46,9 @@ from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
 from catch_arena.training.destinations import destinations
 from catch_arena.training.flat import COMMANDS, FlatAgent
-from catch_arena.training.mixed import LEARNER, MixedBatch, play_matches
+from catch_arena.training.mixed import MixedBatch, play_matches
 from catch_arena.training.networks import Mlp
+from catch_arena.training.players import LEARNER
 from catch_arena.training.pointer import PointerAgent, drive
 
 SNAPSHOT = 500_000  # decisions between two past selves
@@ -212,11 +213,11 @@ class Learner:
         """Return values of the agents of the last look in a table of the side, with zeros for the others: (B, n)."""
         table = torch.zeros(self.batch.seated.shape)
         table[self.rows] = values
-        return table[:, self.batch.agents(self.side)]
+        return table[:, self.batch.players[self.side].agents]
 
     def reward(self, rewards: np.ndarray, over: np.ndarray) -> None:
         """Take the rewards (B, N) of a step, and the arenas (B,) whose match has ended."""
-        gained = torch.from_numpy(rewards[:, self.batch.agents(self.side)].copy())
+        gained = torch.from_numpy(rewards[:, self.batch.players[self.side].agents].copy())
         self.tables[-1] += gained, torch.from_numpy(over)[:, None].expand(gained.shape)
 
     def learn(self) -> dict[str, Any]:

@@ -13,7 +13,6 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig, require_flag, require_integer
-from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import SavedState
 from catch_arena.envs.actions import clipped
 from catch_arena.envs.vector import VectorArena
@@ -25,7 +24,7 @@ from catch_arena.seeding import checked_seed, fresh_seed
 from catch_arena.text import shortened
 from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.training.opponents import Opponents, Pool
-from catch_arena.training.players import Players, action_arrays
+from catch_arena.training.players import LEARNER, Players, Rows, action_arrays
 
 Figures = dict[str, NDArray[np.float32]]
 
@@ -48,7 +47,7 @@ class LearnerStep(NamedTuple):
     final_observations: NDArray[np.float32]
     """Last observations of the rows in `ended`, (E, D)."""
     final_masks: NDArray[np.bool_]
-    """Last masks of the rows in `ended`, (E, K + 1)."""
+    """Last masks of the rows in `ended`, (E, K + 1); (E, 0) under velocity control."""
     figures: Figures
     """Figures of the ended episodes, as in `VectorArena` (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 11).
 
@@ -65,12 +64,10 @@ class SavedLearners(EqualByBits):
     """
 
     arena: SavedState
-    opponents: Mapping[str, Any] | None
-    prey: Mapping[str, Any] | None
+    players: tuple[Mapping[str, Any], ...]
+    """States of the opponents and of the prey, as far as the batch has them."""
     seats: NDArray[np.int64]
     """Seats of the learners, (B, learners)."""
-    rotation: NDArray[np.int64]
-    """Number of seats by which the learners have moved on, (B,)."""
     rng: Mapping[str, Any]
     """State of the random generator."""
 
@@ -136,6 +133,7 @@ class LearnerBatch:
         """The opponents, or None; `add` and `weigh` change the pool for the episodes that begin after the call."""
         agent = SHIPPED_PREY if prey_agent is None else prey_agent
         self._prey = Players(config, self.num_envs, "prey", "prey", [agent]) if config.prey else None
+        self._players: Final = [players for players in (self.opponents, self._prey) if players is not None]
         self._control: Final = config.controls[0]
         self.action_space: Final = self.arena.action_space()
         self.columns: Final[tuple[Column, ...]] = columns(config)
@@ -149,14 +147,12 @@ class LearnerBatch:
         self.observation_space: Final = spaces.Box(low, high, dtype=np.float32)
         shape, agents = (self.num_envs, config.hunters), config.hunters + config.prey
         self._choices, self._commands = np.zeros(shape, np.int64), np.zeros((self.num_envs, agents, 2), np.float32)
-        self._rotation = np.arange(self.num_envs) - 1
+        self._arenas: Final = np.repeat(np.arange(self.num_envs), self.learners)
         self._seats = np.tile(np.arange(self.learners), (self.num_envs, 1))
-        self._rows = np.arange(self.num_envs)[:, None]
         self._rng = np.random.default_rng(0)
         self._has_begun = False
-        self._seen: NDArray[np.float32] = np.zeros((*shape, len(self.columns)), np.float32)
+        self._seen: NDArray[np.float32] = np.zeros((self.num_envs, agents, len(self.columns)), np.float32)
         self._masks: NDArray[np.int8] = np.ones((*shape, 0), np.int8)
-        self._seen_by_prey: NDArray[np.float32] = np.zeros((self.num_envs, 0, 0), np.float32)
 
     @property
     def seats(self) -> NDArray[np.int64]:
@@ -166,9 +162,7 @@ class LearnerBatch:
     @property
     def masks(self) -> NDArray[np.bool_]:
         """Choices that are legal now, (N, K + 1); (N, 0) under velocity control."""
-        if self._control == "velocity":
-            return np.ones((self.num_rows, 0), np.bool_)
-        return self._flat(self._masks[self._rows, self._seats]).astype(np.bool_)
+        return self._legal(self._masks, self._rows)
 
     def close(self) -> None:
         """Do nothing: the batch holds nothing that must be released."""
@@ -190,17 +184,17 @@ class LearnerBatch:
         elif seed is not None or not self._has_begun:
             seed = fresh_seed() if seed is None else checked_seed(seed)
             self._rng = np.random.default_rng(seed)
-            self._rotation = np.arange(self.num_envs) - 1
             if self.opponents is not None:
-                self.opponents.begin(self._rng)
-            if self._prey is not None:
-                self._prey.begin(self._rng)
+                order = np.arange(self.num_envs)[:, None] + np.arange(self.learners)
+                self._seats = (order - 1) % self.config.hunters  # they move on by a seat before they play
+            for players in self._players:
+                players.begin(self._rng)
         observations, infos = self.arena.reset(seed, arenas)
         rows = np.arange(self.num_envs)
         chosen = rows if arenas is None else rows[np.asarray(arenas) if np.size(arenas) else []]
         self._take(observations, infos)
         self._begin(chosen)
-        return self._observations(self._seen), self.masks
+        return self._normalised(self._seen, self._rows), self.masks
 
     def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> LearnerStep:
         """R1.4: play one step of every arena.
@@ -217,44 +211,36 @@ class LearnerBatch:
         """
         self._require_begun("step()")
         self._place(actions)
-        hunters = self.config.hunters
-        if self.opponents is not None or self._prey is not None:
+        if self._players:
             self.arena.check_actions(self._choices, self._commands)  # before the agents act: they cannot undo it
-        if self.opponents is not None:
-            self.opponents.act(self._seen, self._masks, self._choices, self._commands[:, :hunters])
-        if self._prey is not None:
-            self._prey.act(self._seen_by_prey, self._masks, self._choices, self._commands[:, hunters:])
-        seats = self._seats  # the seats of the episodes that end in this step
+        for players in self._players:
+            players.act(self._seen, self._masks, self._choices, self._commands)
+        arenas, seats = self._rows
         observations, rewards, terminations, truncations, infos = self.arena.step(self._choices, self._commands)
         self._take(observations, infos)
-        over = np.flatnonzero(terminations | truncations)
+        over = terminations | truncations
+        ended = np.flatnonzero(over[arenas])
+        last = arenas[ended], seats[ended]
+        final = self._normalised(infos.get("final_obs", self._seen), last)
+        final_masks = self._legal(infos.get("final_mask", self._masks), last)
         figures: Figures = {}
-        final, final_masks = self._seen[:0, 0], self._masks[:0, 0]
-        if len(over):
-            places = over[:, None], seats[over]
-            last, masks = self._seen, self._masks
-            if "final_obs" in infos:
-                last, masks = self._of_hunters(infos["final_obs"]), infos.get("final_mask", self._masks)
-                episode = {name: table for name, table in infos["episode"].items() if name != "times_caught"}
-                figures = {name: self._flat(table[places]) for name, table in episode.items()}
-                if self.opponents is not None:
-                    seated = self.opponents.seated[over]
-                    is_opponent = seated >= 0
-                    for name, table in (("opponents", seated), ("opponent_scores", episode["score"][over])):
-                        figures[name] = np.repeat(table[is_opponent].reshape(len(over), -1), self.learners, axis=0)
-                self._begin(over)
-            final, final_masks = self._flat(last[places]), self._flat(masks[places])
-            if self.scale is not None:
-                final /= self.scale
+        if len(ended) and self.arena.auto_reset:
+            episode = infos["episode"]
+            figures = {name: table[last] for name, table in episode.items() if name != "times_caught"}
+            if self.opponents is not None:
+                seated = self.opponents.seated[last[0]]
+                for name, table in (("opponents", seated), ("opponent_scores", episode["score"][last[0]])):
+                    figures[name] = table[seated != LEARNER].reshape(len(ended), -1)
+            self._begin(np.flatnonzero(over))
         return LearnerStep(
-            self._observations(self._seen),
+            self._normalised(self._seen, self._rows),
             self.masks,
-            rewards[self._rows, seats].reshape(-1),
-            np.repeat(terminations, self.learners),
-            np.repeat(truncations, self.learners),
-            (over[:, None] * self.learners + np.arange(self.learners)).reshape(-1),
+            rewards[arenas, seats],
+            terminations[arenas],
+            truncations[arenas],
+            ended,
             final,
-            final_masks.astype(np.bool_),
+            final_masks,
             figures,
         )
 
@@ -271,10 +257,8 @@ class LearnerBatch:
         self._require_begun("save()")
         return SavedLearners(
             arena=self.arena.save(),
-            opponents=None if self.opponents is None else self.opponents.save(),
-            prey=None if self._prey is None else self._prey.save(),
+            players=tuple(players.save() for players in self._players),
             seats=self.seats,
-            rotation=self._rotation.copy(),
             rng=self._rng.bit_generator.state,
         )
 
@@ -292,15 +276,13 @@ class LearnerBatch:
         if saved.seats.shape[1] != self.learners:  # if equal, both or none have opponents
             raise ConfigError(f"saved must come from a batch with learners={self.learners}, got {saved.seats.shape[1]}")
         observations, infos = self.arena.restore(saved.arena)
-        if self.opponents is not None and saved.opponents is not None:
-            self.opponents.restore(saved.opponents)
-        if self._prey is not None and saved.prey is not None:
-            self._prey.restore(saved.prey)
-        self._seats, self._rotation = saved.seats.copy(), saved.rotation.copy()
+        for players, kept in zip(self._players, saved.players, strict=True):
+            players.restore(kept)
+        self._seats = saved.seats.copy()
         self._rng.bit_generator.state = saved.rng
         self._take(observations, infos)
         self._has_begun = True
-        return self._observations(self._seen), self.masks
+        return self._normalised(self._seen, self._rows), self.masks
 
     def clone(self) -> "LearnerBatch":
         """Return an independent copy of the batch in the same state; `copy.deepcopy` does the same.
@@ -310,36 +292,28 @@ class LearnerBatch:
         """
         return copy.deepcopy(self)
 
-    def _take(self, observations: NDArray[np.float32], infos: Mapping[str, Any]) -> None:
-        self._seen = self._of_hunters(observations)
-        self._masks = infos.get("action_mask", self._masks)
-        if self._prey is not None:
-            self._seen_by_prey = observations[:, self.config.hunters :]
+    @property
+    def _rows(self) -> Rows:
+        """The learners, row by row."""
+        return self._arenas, self._seats.reshape(-1)
 
-    def _of_hunters(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
-        return observations[:, : self.config.hunters, : len(self.columns)]
+    def _take(self, observations: NDArray[np.float32], infos: Mapping[str, Any]) -> None:
+        self._seen = observations
+        self._masks = infos.get("action_mask", self._masks)
 
     def _begin(self, arenas: NDArray[np.int64]) -> None:
-        """Prepare opponents and prey for the new episodes of these arenas."""
+        """Begin episodes of these arenas: move the learners on by a seat, draw opponents, and seat the prey."""
         self._has_begun = False  # until all have begun: an agent that raises here leaves seats without a player
         if self.opponents is not None:
-            self._seat(self.opponents, arenas)
+            hunters = self.config.hunters
+            self._seats = self._seats.copy()
+            self._seats[arenas] = own = (self._seats[arenas] + 1) % hunters
+            others = (own[:, -1:] + np.arange(1, 1 + hunters - self.learners)) % hunters
+            self.opponents.draw(arenas, others, self._rng)
+            self.arena.set_controls(self.opponents.controls(arenas, self._control), arenas)
         if self._prey is not None:
             self._prey.seat(arenas, None, np.zeros((len(arenas), self.config.prey), np.int64), self._rng)
         self._has_begun = True
-
-    def _seat(self, opponents: Opponents, arenas: NDArray[np.int64]) -> None:
-        """Move the learners on by a seat, and draw the opponents of the other seats."""
-        hunters = self.config.hunters
-        self._rotation[arenas] += 1
-        order = (np.arange(hunters) + self._rotation[arenas, None]) % hunters
-        own_seats, opponent_seats = order[:, : self.learners], order[:, self.learners :]
-        self._seats = self._seats.copy()
-        self._seats[arenas] = own_seats
-        drawn = opponents.draw(arenas, opponent_seats, self._rng)
-        controls = np.full((len(arenas), hunters), CONTROLS[self._control], dtype=np.int8)
-        np.put_along_axis(controls, opponent_seats, opponents.controls[drawn], axis=1)
-        self.arena.set_controls(controls, arenas)
 
     def _require_begun(self, call: str) -> None:
         if not self._has_begun:
@@ -351,16 +325,19 @@ class LearnerBatch:
         self._choices.fill(0)
         self._commands.fill(0)
         if choices is not None:
-            self._choices[self._rows, self._seats] = choices.reshape(self._seats.shape)
+            self._choices[self._rows] = choices
         if commands is not None:
-            self._commands[self._rows, self._seats] = clipped(commands).reshape(*self._seats.shape, 2)
+            self._commands[self._rows] = clipped(commands)
 
-    def _observations(self, observations: NDArray[np.float32]) -> NDArray[np.float32]:
-        own: NDArray[np.float32] = self._flat(observations[self._rows, self._seats])
+    def _normalised(self, observations: NDArray[np.float32], rows: Rows) -> NDArray[np.float32]:
+        """Return copies of the observations of some hunters, (n, D), divided by `scale`."""
+        own = observations[..., : len(self.columns)][rows]
         if self.scale is not None:
             own /= self.scale
         return own
 
-    @staticmethod
-    def _flat(table: NDArray[Any]) -> NDArray[Any]:
-        return table.reshape(table.shape[0] * table.shape[1], *table.shape[2:])  # -1 is refused for an empty table
+    def _legal(self, masks: NDArray[np.int8], rows: Rows) -> NDArray[np.bool_]:
+        """Return the legal choices of some hunters, (n, K + 1), or (n, 0) under velocity control."""
+        if self._control == "velocity":
+            return np.ones((len(rows[0]), 0), np.bool_)
+        return masks[rows].astype(np.bool_)

@@ -11,17 +11,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core.controllers import CONTROLS
 from catch_arena.envs.vector import VectorArena
 from catch_arena.errors import ConfigError
 from catch_arena.policy import Limits, Side
-from catch_arena.training.players import Players
-
-LEARNER: Final = -1
-"""Number, in place of a player's, of an agent whose commands the caller gives."""
-
-Rows = tuple[NDArray[np.int64], NDArray[np.int64]]
-"""Arenas and agents, (n,) each; agents are the hunters by seat, then the prey."""
+from catch_arena.training.players import LEARNER, Players, Rows
 
 
 class MixedBatch:
@@ -47,15 +40,14 @@ class MixedBatch:
         sides: tuple[Side, ...] = ("hunter", "prey") if config.prey else ("hunter",)
         for side in sides:
             self.players[side] = Players(config, num_envs, side, "player", players.get(side, ()))
-        self.seated: Final = np.full((num_envs, config.hunters + config.prey), LEARNER)
-        """Number of the player of each agent, or LEARNER: (B, N)."""
         self._rng = np.random.default_rng()
         self.observations, self.infos = np.zeros((0, 0, 0), np.float32), dict[str, Any]()
         """Observations and infos of `VectorArena`; the next step overwrites them."""
 
-    def agents(self, side: Side) -> slice:
-        """Return the agents of a side, as a slice."""
-        return slice(0, self.config.hunters) if side == "hunter" else slice(self.config.hunters, None)
+    @property
+    def seated(self) -> NDArray[np.int64]:
+        """Number of the player of each agent, or LEARNER: (B, N)."""
+        return np.concatenate([players.seated for players in self.players.values()], axis=1)
 
     def reset(self, seed: int | None = None, arenas: ArrayLike | None = None) -> None:
         """Begin episodes, see `VectorArena.reset`; the players stay seated."""
@@ -67,24 +59,19 @@ class MixedBatch:
 
     def seat(self, arenas: NDArray[np.int64], numbers: NDArray[np.int64]) -> None:
         """Give the agents of these arenas (n,) their players, by number or LEARNER: (n, N)."""
-        self.seated[arenas] = numbers
-        for side, players in self.players.items():
-            players.seat(arenas, None, numbers[:, self.agents(side)], self._rng)
-        controls = ["velocity", *(player.control for player in self.players["hunter"].pool)]
-        codes = np.array([CONTROLS[control] for control in controls], np.int8)
-        self.arena.set_controls(codes[numbers[:, : self.config.hunters] + 1], arenas)
+        for players in self.players.values():
+            players.seat(arenas, None, numbers[:, players.agents], self._rng)
+        self.arena.set_controls(self.players["hunter"].controls(arenas, "velocity"), arenas)
 
     def rows(self, side: Side) -> Rows:
         """Return the agents of a side that the learner plays."""
-        part = self.agents(side)
-        arenas, agents = np.nonzero(self.seated[:, part] == LEARNER)
-        return arenas, agents + part.start
+        players = self.players[side]
+        arenas, seats = np.nonzero(players.seated == LEARNER)
+        return arenas, seats + players.agents.start
 
     def view(self, side: Side, rows: Rows) -> Any:
         """Return what these agents see if they drive themselves: a `BatchView` of hunters or a `PreyBatchView`."""
-        part = self.agents(side)
-        seats = rows[0], rows[1] - part.start
-        return self.players[side].view(self.observations[:, part], self.infos["action_mask"], seats, "velocity")
+        return self.players[side].view(self.observations, self.infos["action_mask"], rows, "velocity")
 
     def step(self, commands: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         """Play a step.
@@ -99,9 +86,8 @@ class MixedBatch:
             AgentError: for a player that raises, or whose action is not legal.
         """
         choices = np.zeros((len(commands), self.config.hunters), np.int64)
-        for side, players in self.players.items():
-            part = self.agents(side)
-            players.act(self.observations[:, part], self.infos["action_mask"], choices, commands[:, part])
+        for players in self.players.values():
+            players.act(self.observations, self.infos["action_mask"], choices, commands)
         self.observations, rewards, terminations, truncations, self.infos = self.arena.step(choices, commands)
         return rewards, terminations | truncations
 

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core.controllers import CONTROLS
 from catch_arena.errors import ConfigError
 from catch_arena.text import shortened
 from catch_arena.training.players import Players
@@ -36,11 +35,6 @@ class Opponents(Players):
         agents, self._weights = _agents_and_weights(pool)
         self._distinct = distinct
         super().__init__(config, num_envs, "hunter", "opponent", agents)
-
-    @property
-    def controls(self) -> NDArray[np.int8]:
-        """Control of each agent of the pool, as a number of `controllers.CONTROLS`: (P,)."""
-        return np.array([CONTROLS[player.control] for player in self.pool], dtype=np.int8)
 
     @property
     def weights(self) -> NDArray[np.float64]:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from catch_arena.batch_policy import BatchView, PreyBatchView
 from catch_arena.config import ArenaConfig, Control
+from catch_arena.core.controllers import CONTROLS
 from catch_arena.envs.actions import action_array, checked_action
 from catch_arena.errors import ActionError, AgentError, reason
 from catch_arena.layout import observation_size, prey_observation_size
@@ -19,7 +20,12 @@ from catch_arena.text import shortened
 from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.loading import create_policy
 
+LEARNER: Final = -1
+"""Number, in place of a player's, of a hunter or prey that learns."""
 _SEED_LIMIT: Final = 2**63
+
+Rows = tuple[NDArray[np.int64], NDArray[np.int64]]
+"""Some agents of a batch: their arenas, and their numbers in these, hunters by seat and then prey; (n,) each."""
 
 
 @dataclass
@@ -127,7 +133,7 @@ class Players:
     that has only `act` is called for each of them, and each has an instance of its own.
 
     Args:
-        config: the arenas' settings.
+        config: the arenas' settings; an arena has N agents, the hunters by seat and then the prey.
         num_envs: B.
         side: the side.
         role: word before the agents' names in errors.
@@ -144,8 +150,10 @@ class Players:
         self._side, self._role, self._ranks = side, role, config.targets_seen
         self.pool = [Player.of(role, agent, side) for agent in agents]
         """The players, by number."""
-        self._seat_names = config.prey_names if side == "prey" else config.hunter_names
-        self._limits: dict[Control, list[Any]] = {"velocity": [PreyLimits.of(config)] * config.prey}
+        self._names = (*config.hunter_names, *config.prey_names)
+        self.agents: Final = slice(0, config.hunters) if side == "hunter" else slice(config.hunters, len(self._names))
+        """The side's part of an arena's N agents."""
+        self._limits: dict[Control, list[Any]] = {"velocity": [PreyLimits.of(config)] * len(self._names)}
         self._size = prey_observation_size(config)
         if side == "hunter":
             limits = [Limits.of(config, seat) for seat in range(config.hunters)]
@@ -154,13 +162,13 @@ class Players:
             }
             self._size = observation_size(config)
         self._seats_differ = len(set(self._limits["velocity"])) > 1
-        self._seated = np.full((num_envs, len(self._seat_names)), -1)
+        self._seated = np.full((num_envs, self.agents.stop - self.agents.start), LEARNER)
         self._instances: dict[tuple[int, int], Player] = {}
-        """The instance in each seat, by arena and seat, of agents that have only `act`."""
+        """The instance in each seat, by arena and agent, of those that have only `act`."""
 
     @property
     def seated(self) -> NDArray[np.int64]:
-        """Agents in the seats of the running episodes, by number, -1 for learners: (B, seats)."""
+        """Agents in the seats of the running episodes, by number, or LEARNER: (B, seats)."""
         return self._seated.copy()
 
     def add(self, agent: object) -> int:
@@ -191,12 +199,12 @@ class Players:
         numbers: NDArray[np.int64],
         rng: np.random.Generator,
     ) -> None:
-        """Give seats (n, S) of the arenas (n,), or all seats, to agents by number (n, S); -1 and others are learners'.
+        """Give seats (n, S) of the arenas (n,), or all seats, to agents by number: (n, S). Other seats are LEARNER's.
 
         Agents that have only `act` begin an episode there.
         """
         seats = np.indices(numbers.shape)[1] if seats is None else seats
-        self._seated[arenas] = -1
+        self._seated[arenas] = LEARNER
         self._seated[arenas[:, None], seats] = numbers
         if all(player.in_batches for player in self.pool):
             return
@@ -204,22 +212,33 @@ class Players:
         self._instances = {place: one for place, one in self._instances.items() if place[0] not in begun}
         for number, original in enumerate(self.pool):
             for row, column in [] if original.in_batches else np.argwhere(numbers == number).tolist():
-                place = int(arenas[row]), int(seats[row, column])
+                place = int(arenas[row]), self.agents.start + int(seats[row, column])
                 self._instances[place] = player = copy.deepcopy(original)
                 player.place = self._place(*place)
                 player.call("reset", int(rng.integers(_SEED_LIMIT)))
 
-    def view(self, observations: NDArray[np.float32], masks: NDArray[np.int8], rows: Any, control: Control) -> Any:
-        """Return what these seats see, all of the same limits: a `BatchView` or a `PreyBatchView`.
+    def controls(self, arenas: NDArray[np.int64], learners: Control) -> NDArray[np.int8]:
+        """Return the controls of the seats of these arenas (n,), as `VectorArena.set_controls` takes them: (n, seats).
 
         Args:
-            observations: those of all seats, (B, seats, at least D).
+            arenas: the arenas.
+            learners: control of the seats that no agent plays.
+        """
+        codes = [CONTROLS[control] for control in (*(player.control for player in self.pool), learners)]
+        found: NDArray[np.int8] = np.array(codes, np.int8)[self._seated[arenas]]  # LEARNER, -1, is the last one
+        return found
+
+    def view(self, observations: NDArray[np.float32], masks: NDArray[np.int8], rows: Rows, control: Control) -> Any:
+        """Return what some agents of the side see, all of the same limits: a `BatchView` or a `PreyBatchView`.
+
+        Args:
+            observations: those of all agents, (B, N, at least D).
             masks: those of all hunters, (B, H, K + 1); not read for prey.
-            rows: arenas and seats, (n,) each.
+            rows: the agents.
             control: control of the hunters.
         """
         seen = observations[..., : self._size][rows]
-        limits = self._limits[control][int(rows[1][0]) if self._seats_differ else 0]
+        limits = self._limits[control][int(rows[1][0]) if self._seats_differ else -1]
         return PreyBatchView(seen, limits) if self._side == "prey" else BatchView(seen, masks[rows], limits)
 
     def act(
@@ -229,7 +248,7 @@ class Players:
         choices: NDArray[np.int64],
         commands: NDArray[np.float32],
     ) -> None:
-        """Write the agents' actions into `choices` (B, H), which prey does not have, and `commands` (B, seats, 2).
+        """Write the agents' actions into `choices` (B, H), which prey does not have, and `commands` (B, N, 2).
 
         Raises:
             AgentError: for an agent that fails; it names the agent, and the hunter or prey if that is known.
@@ -238,16 +257,18 @@ class Players:
             arenas, seats = np.nonzero(self._seated == number)
             if not len(arenas):
                 continue
+            agents = seats + self.agents.start
             if not player.in_batches:
-                for place in zip(arenas.tolist(), seats.tolist(), strict=True):
+                for place in zip(arenas.tolist(), agents.tolist(), strict=True):
                     mask = () if self._side == "prey" else masks[place].tolist()
-                    view = self._limits[player.control][place[1]].view(observations[place][: self._size].tolist(), mask)
+                    limits = self._limits[player.control][place[1]]
+                    view = limits.view(observations[place][: self._size].tolist(), mask)
                     rank, commands[place] = self._instances[place].act(view, self._ranks)
                     if player.control != "velocity":
                         choices[place] = rank
                 continue
             for group in [seats == seat for seat in np.unique(seats)] if self._seats_differ else [slice(None)]:
-                rows = arenas[group], seats[group]
+                rows = arenas[group], agents[group]
                 ranks, velocities = player.act_batch(self.view(observations, masks, rows, player.control))
                 if ranks is not None:
                     legal, bounds = (ranks >= 0) & (ranks <= self._ranks), f"whole numbers from 0 to {self._ranks}"
@@ -270,11 +291,11 @@ class Players:
         """Continue from a saved state of these players, or of others with an equal config and number of arenas."""
         vars(self).update(copy.deepcopy(saved))
 
-    def _place(self, arena: int, seat: int) -> str:
-        return f" for {self._seat_names[seat]} in arena {arena}"
+    def _place(self, arena: int, agent: int) -> str:
+        return f" for {self._names[agent]} in arena {arena}"
 
     def _require_legal(
-        self, player: Player, bounds: str, given: NDArray[Any], legal: NDArray[np.bool_], rows: Any
+        self, player: Player, bounds: str, given: NDArray[Any], legal: NDArray[np.bool_], rows: Rows
     ) -> None:
         """Raise an AgentError for the first row whose action is not legal."""
         if not legal.all():

@@ -12,7 +12,8 @@ from catch_arena.layout import prey_columns
 from catch_arena.policy import control_of
 from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.loading import create_policy
-from catch_arena.training.mixed import LEARNER, MixedBatch, play_matches
+from catch_arena.training.mixed import MixedBatch, play_matches
+from catch_arena.training.players import LEARNER
 
 SHORT = {"max_cycles": 25, "reach_m": 1.0}
 TWO_SIDES = {"hunter": ["intercept", "nearest"], "prey": ["flee"]}
@@ -37,9 +38,9 @@ def seen_by(config, agent, observation, mask, control):
 def drawn(batch, source, count):
     """Players of some arenas, among them learners."""
     numbers = np.full((count, batch.seated.shape[1]), LEARNER)
-    for side, players in batch.players.items():
-        shape = numbers[:, batch.agents(side)].shape
-        numbers[:, batch.agents(side)] = source.integers(LEARNER, len(players.pool), shape)
+    for players in batch.players.values():
+        shape = numbers[:, players.agents].shape
+        numbers[:, players.agents] = source.integers(LEARNER, len(players.pool), shape)
     return numbers
 
 
