@@ -49,7 +49,7 @@ class LearnerStep(NamedTuple):
     final_masks: NDArray[np.bool_]
     """Last masks of the rows in `ended`, (E, K + 1); (E, 0) under velocity control."""
     figures: Figures
-    """Figures of the ended episodes, as in `VectorArena` (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 11).
+    """Figures of the ended episodes, as in `VectorArena` (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 12).
 
     With opponents also `opponents`, their indices in `opponents.names`, and `opponent_scores`, by seat: (E, S). Empty
     without auto_reset.
@@ -137,14 +137,14 @@ class LearnerBatch:
         self._control: Final = config.controls[0]
         self.action_space: Final = self.arena.action_space()
         self.columns: Final[tuple[Column, ...]] = columns(config)
-        bounds = np.array([(column.low, column.high) for column in self.columns], dtype=np.float32)
-        magnitudes = np.abs(bounds).max(axis=1)
-        self.scale: Final[NDArray[np.float32] | None] = (
-            np.where(magnitudes > 0, magnitudes, 1).astype(np.float32) if normalise else None
-        )
+        self.scale: NDArray[np.float32] | None = None
         """Divisor of each column, (D,); None without `normalise`."""
-        low, high = bounds.T if self.scale is None else (bounds / self.scale[:, None]).T
-        self.observation_space: Final = spaces.Box(low, high, dtype=np.float32)
+        self.observation_space = self.arena.observation_space()
+        if normalise:
+            low, high = self.observation_space.low, self.observation_space.high
+            largest = np.maximum(np.abs(low), np.abs(high))
+            self.scale = np.where(largest > 0, largest, 1).astype(np.float32)
+            self.observation_space = spaces.Box(low / self.scale, high / self.scale, dtype=np.float32)
         shape, agents = (self.num_envs, config.hunters), config.hunters + config.prey
         self._choices, self._commands = np.zeros(shape, np.int64), np.zeros((self.num_envs, agents, 2), np.float32)
         self._arenas: Final = np.repeat(np.arange(self.num_envs), self.learners)
