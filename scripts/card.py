@@ -32,7 +32,7 @@ from catch_arena.cli.tables import with_interval
 from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
-from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
+from catch_arena.suite.evaluation import Evaluation
 from catch_arena.suite.measures import AgentMeasures, facts_of, measure
 from catch_arena.suite.references import FILE
 from catch_arena.tournament.entrants import Entrant, enter
@@ -104,8 +104,7 @@ def play(agent: Entrant, most: int) -> AgentMeasures:
         most: number of blocks of each scenario, unless the agent is a reference.
     """
     blocks = SUITE.blocks if agent.name in REFERENCES else most
-    folder = folder_of(OUT, agent)
-    evaluation = Evaluation(SUITE, agent, enter_opponents(SUITE), folder, blocks, None)
+    evaluation = Evaluation(SUITE, agent, OUT, blocks, None)
     done = 0
     with progress_bar(agent.name, evaluation.matches) as show:
 
@@ -120,7 +119,7 @@ def play(agent: Entrant, most: int) -> AgentMeasures:
                 break
             except OtherTournamentError as error:
                 print(f"{agent.name} is played again: {error}", file=sys.stderr)
-                shutil.rmtree(folder)
+                shutil.rmtree(evaluation.folder)
                 done = 0
     return measure(evaluation)
 

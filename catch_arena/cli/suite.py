@@ -65,7 +65,7 @@ def suite(
 
     from catch_arena.cli.tables import duration, with_interval
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
-    from catch_arena.suite.evaluation import Evaluation, enter_opponents, folder_of
+    from catch_arena.suite.evaluation import Evaluation
     from catch_arena.suite.measures import facts_of, measure, over_training_runs
     from catch_arena.suite.references import references
     from catch_arena.tournament.execution.executors import usable_cores
@@ -79,18 +79,9 @@ def suite(
     quotas = trust.quotas()
     reserve_file(json, ".json", force=force)
     entered = enter_agents(agents, quotas)
-    opponents = enter_opponents(chosen)
     blocks = QUICK_BLOCKS if quick else chosen.blocks
     evaluations = [
-        Evaluation(
-            chosen,
-            agent,
-            opponents,
-            folder_of(out, agent),
-            blocks,
-            None if is_shipped(agent.spec) else quotas,
-        )
-        for agent in entered
+        Evaluation(chosen, agent, out, blocks, None if is_shipped(agent.spec) else quotas) for agent in entered
     ]
     prepare_folder(out)
     if not resume:

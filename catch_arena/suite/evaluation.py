@@ -1,8 +1,9 @@
 """Play of a suite by an agent: each scenario is a tournament of its own, kept in the agent's folder."""
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 
 from catch_arena.errors import StoreError
@@ -28,14 +29,20 @@ class Evaluation:
 
     suite: Suite
     agent: Entrant
-    opponents: Mapping[str, Entrant]
-    """All opponents of the suite, by name."""
-    folder: Path
-    """Folder of the agent's matches, with a folder for each scenario that contains the store of a tournament."""
+    out: Path
+    """Folder of the matches of all agents."""
     blocks: int
     """Number of blocks of each scenario: as many as the suite has, or fewer for a first look."""
     quotas: Quotas | None
     """Quotas of an isolated agent; None for a trusted one."""
+
+    @property
+    def folder(self) -> Path:
+        """Folder of the agent's matches, with a folder for each scenario that contains the store of a tournament.
+
+        It is called as the agent, with `/` and `..` replaced so that it is one folder.
+        """
+        return self.out / self.agent.name.replace("/", "-").replace("..", "__")
 
     @property
     def matches(self) -> int:
@@ -44,9 +51,8 @@ class Evaluation:
 
     def entrants(self, scenario: SuiteScenario) -> tuple[Entrant, ...]:
         """Return the agent and its opponents in the plan's order; an opponent of its name is called `nearest#2`."""
-        opponents = (self.opponents[name] for name in scenario.opponents)
-        named = (replace(one, name=one.name + "#2" * (one.name == self.agent.name)) for one in opponents)
-        return self.agent, *named
+        opponents = _entered(scenario.opponents)
+        return self.agent, *(replace(one, name=one.name + "#2" * (one.name == self.agent.name)) for one in opponents)
 
     def require_new(self) -> None:
         """Check that no scenario's folder holds matches yet.
@@ -149,15 +155,9 @@ class Evaluation:
         return self.folder / scenario.name
 
 
-def enter_opponents(suite: Suite) -> dict[str, Entrant]:
-    """Return all opponents of a suite, by name."""
-    names = sorted({name for one in suite.scenarios for name in one.opponents})
-    return dict(zip(names, enter(names), strict=True))
-
-
-def folder_of(out: Path, agent: Entrant) -> Path:
-    """Return the folder of an agent's matches: its name, with `/` and `..` replaced so that it is one folder."""
-    return out / agent.name.replace("/", "-").replace("..", "__")
+@cache
+def _entered(names: tuple[str, ...]) -> tuple[Entrant, ...]:
+    return enter(names)
 
 
 def _moves(scenario: SuiteScenario) -> int:

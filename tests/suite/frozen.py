@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from catch_arena.suite.contents import suite_called
-from catch_arena.suite.evaluation import Evaluation, enter_opponents
+from catch_arena.suite.evaluation import Evaluation
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.playing import play_entrants
 
@@ -25,7 +25,7 @@ def file_of(suite):
 def first_matches(suite):
     """By scenario: the seed and the seating of the first match of `nearest`, and the digest after so many steps."""
     (agent,) = enter(["nearest"])
-    evaluation = Evaluation(suite, agent, enter_opponents(suite), Path(), suite.blocks, None)
+    evaluation = Evaluation(suite, agent, Path(), suite.blocks, None)
     found = {}
     for scenario in suite.scenarios:
         match = next(iter(suite.plan(scenario, 1)))

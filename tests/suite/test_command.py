@@ -12,7 +12,7 @@ from tournament.played_matches import made_up
 from catch_arena.scenarios import scenario
 from catch_arena.suite import contents
 from catch_arena.suite.contents import Suite, SuiteScenario
-from catch_arena.suite.evaluation import Evaluation, enter_opponents
+from catch_arena.suite.evaluation import Evaluation
 from catch_arena.suite.measures import AgentMeasures, measure, measure_scenario, over_training_runs
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import MoveTimes
@@ -219,7 +219,7 @@ def test_whether_it_comes_first_is_told_where_it_is_sure(strengths, first):
 
 
 def test_the_best_is_first_and_the_worst_last(tmp_path):
-    best, worst = (measured_in_all(agent, tmp_path / agent.name) for agent in enter(["patrol", "idle"]))
+    best, worst = (measured_in_all(agent, tmp_path) for agent in enter(["patrol", "idle"]))
     for one in worst.scenarios:
         assert one.place == one.of
         assert one.first is False
@@ -231,8 +231,8 @@ def test_the_best_is_first_and_the_worst_last(tmp_path):
     assert best.improvement(scores_of(best), held_out=True).mean == 0.5
 
 
-def measured_in_all(agent, folder):
-    evaluation = Evaluation(SMALL, agent, enter_opponents(SMALL), folder, 4, None)
+def measured_in_all(agent, out):
+    evaluation = Evaluation(SMALL, agent, out, 4, None)
     evaluation.play(1)
     return measure(evaluation)
 
