@@ -309,7 +309,8 @@ class LearnerBatch:
             self._seats = self._seats.copy()
             self._seats[arenas] = own = (self._seats[arenas] + 1) % hunters
             others = (own[:, -1:] + np.arange(1, 1 + hunters - self.learners)) % hunters
-            self.opponents.draw(arenas, others, self._rng)
+            drawn = self.opponents.draw(len(arenas), hunters - self.learners, self._rng)
+            self.opponents.seat(arenas, others, drawn, self._rng)
             self.arena.set_controls(self.opponents.controls(arenas, self._control), arenas)
         if self._prey is not None:
             self._prey.seat(arenas, None, np.zeros((len(arenas), self.config.prey), np.int64), self._rng)

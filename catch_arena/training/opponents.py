@@ -43,7 +43,7 @@ class Opponents(Players):
 
     @property
     def names(self) -> tuple[str, ...]:
-        """Names of the agents of the pool; `draw` returns indices in this order."""
+        """Names of the agents of the pool, by number."""
         return tuple(player.name for player in self.pool)
 
     def add(self, agent: object) -> int:
@@ -71,21 +71,14 @@ class Opponents(Players):
             raise ConfigError(f"weights must be {len(self.pool)} numbers, one for each opponent, got {given.shape}")
         self._weights = _shares(given, shortened(given.tolist()))
 
-    def draw(self, arenas: NDArray[np.int64], seats: NDArray[np.int64], rng: np.random.Generator) -> NDArray[np.int64]:
-        """Draw and begin the agents in the seats (n, S) of the arenas (n,); the other seats are the learners'.
-
-        Returns:
-            the numbers of the agents in the pool: (n, S).
-        """
-        if self._distinct and np.count_nonzero(self.weights) >= seats.shape[1]:
-            # without replacement: the largest of log weights with Gumbel noise (Efraimidis and Spirakis, 2006)
-            with np.errstate(divide="ignore"):
-                keys = np.log(self.weights) + rng.gumbel(size=(len(seats), len(self.pool)))
-            chosen = np.argsort(-keys, axis=1, kind="stable")[:, : seats.shape[1]]
-        else:
-            chosen = rng.choice(len(self.pool), p=self._weights, size=seats.shape)
-        self.seat(arenas, seats, chosen, rng)
-        return chosen
+    def draw(self, arenas: int, seats: int, rng: np.random.Generator) -> NDArray[np.int64]:
+        """Return the numbers of agents for some seats of each of some arenas: (arenas, seats)."""
+        if not self._distinct or np.count_nonzero(self.weights) < seats:
+            return rng.choice(len(self.pool), p=self._weights, size=(arenas, seats))
+        # without replacement: the largest of log weights with Gumbel noise (Efraimidis and Spirakis, 2006)
+        with np.errstate(divide="ignore"):
+            keys = np.log(self.weights) + rng.gumbel(size=(arenas, len(self.pool)))
+        return np.argsort(-keys, axis=1, kind="stable")[:, :seats]
 
 
 def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] | None]:
