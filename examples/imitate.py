@@ -13,8 +13,7 @@ import argparse
 import sys
 
 import numpy as np
-import torch
-from train_ppo import RATE, Arenas, Network, export, settings_from, tensors
+from train_ppo import RATE, Arenas, Network, export, settings_from, tensors, torch  # which names torch if it is missing
 
 from catch_arena.errors import CatchArenaError
 from catch_arena.policy import control_of

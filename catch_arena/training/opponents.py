@@ -32,7 +32,10 @@ class Opponents(Players):
     saved_attributes = (*Players.saved_attributes, "_weights")
 
     def __init__(self, config: ArenaConfig, num_envs: int, pool: Pool, *, distinct: bool = False) -> None:
-        agents, self._weights = _agents_and_weights(pool)
+        agents = list(pool) if isinstance(pool, Iterable) and not isinstance(pool, str) else [pool]
+        if not agents:
+            raise ConfigError(f"opponents must name at least one agent, got {pool!r}")
+        self._weights = _shares(list(pool.values()), len(agents)) if isinstance(pool, Mapping) else None
         self._distinct = distinct
         super().__init__(config, num_envs, "hunter", "opponent", agents)
 
@@ -66,10 +69,7 @@ class Opponents(Players):
         Raises:
             ConfigError: for other weights.
         """
-        given = np.asarray(weights, dtype=np.float64)
-        if given.shape != (len(self.pool),):
-            raise ConfigError(f"weights must be {len(self.pool)} numbers, one for each opponent, got {given.shape}")
-        self._weights = _shares(given, shortened(given.tolist()))
+        self._weights = _shares(weights, len(self.pool))
 
     def draw(self, arenas: int, seats: int, rng: np.random.Generator) -> NDArray[np.int64]:
         """Return the numbers of agents for some seats of each of some arenas: (arenas, seats)."""
@@ -81,23 +81,17 @@ class Opponents(Players):
         return np.argsort(-keys, axis=1, kind="stable")[:, :seats]
 
 
-def _agents_and_weights(pool: Pool) -> tuple[list[object], NDArray[np.float64] | None]:
-    if isinstance(pool, str) or not isinstance(pool, Iterable):
-        return [pool], None
-    agents = list(pool)
-    if not agents:
-        raise ConfigError(f"opponents must name at least one agent, got {pool!r}")
-    if not isinstance(pool, Mapping):
-        return agents, None
+def _shares(weights: ArrayLike, count: int) -> NDArray[np.float64]:
+    """Return the weights of a number of opponents as probabilities: (count,)."""
     try:
-        weights = np.array([float(weight) for weight in pool.values()])
+        given = np.array(weights, dtype=np.float64)
     except (TypeError, ValueError):
-        weights = np.array([np.nan])
-    return agents, _shares(weights, shortened(dict(pool)))
-
-
-def _shares(weights: NDArray[np.float64], given: str) -> NDArray[np.float64]:
-    if not (np.isfinite(weights).all() and (weights >= 0).all() and weights.sum() > 0):
-        raise ConfigError(f"weights of opponents must be at least 0, and at least one must be positive, got {given}")
-    shares: NDArray[np.float64] = weights / weights.sum()
+        given = np.zeros(0)
+    if given.shape != (count,):
+        raise ConfigError(f"weights of opponents must be numbers, {count} of them, got {shortened(weights)}")
+    if not (np.isfinite(given).all() and (given >= 0).all() and given.sum() > 0):
+        raise ConfigError(
+            f"weights of opponents must be at least 0, and at least one must be positive, got {shortened(weights)}"
+        )
+    shares: NDArray[np.float64] = given / given.sum()
     return shares

@@ -321,7 +321,7 @@ def test_a_pool_that_grows_is_drawn_from_once_it_has_a_weight():
         step = batch.step(hold(batch))
     assert step.figures["opponents"].tolist() == [[0]] * 40
     assert (batch.opponents.seated.max(axis=1) == 1).all()
-    for wrong in ([1], [0, 0], [1, float("nan")], [-1, 2]):
+    for wrong in ([1], [0, 0], [1, float("nan")], [-1, 2], [1, "often"], "often"):
         with pytest.raises(ConfigError, match="weights"):
             batch.opponents.weigh(wrong)
 
