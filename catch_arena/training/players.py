@@ -15,7 +15,7 @@ from catch_arena.core.controllers import CONTROLS
 from catch_arena.envs.actions import action_array, checked_action
 from catch_arena.errors import ActionError, AgentError, reason
 from catch_arena.layout import observation_size, prey_observation_size
-from catch_arena.policy import Limits, PreyLimits, Side, control_of
+from catch_arena.policy import Side, control_of, player_limits
 from catch_arena.text import shortened
 from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.loading import create_policy
@@ -153,15 +153,13 @@ class Players:
         self._names = (*config.hunter_names, *config.prey_names)
         self.agents: Final = slice(0, config.hunters) if side == "hunter" else slice(config.hunters, len(self._names))
         """The side's part of an arena's N agents."""
-        self._limits: dict[Control, list[Any]] = {"velocity": [PreyLimits.of(config)] * len(self._names)}
-        self._size = prey_observation_size(config)
-        if side == "hunter":
-            limits = [Limits.of(config, seat) for seat in range(config.hunters)]
-            self._limits = {
-                word: [dataclasses.replace(its, control=word) for its in limits] for word in get_args(Control)
-            }
-            self._size = observation_size(config)
-        self._seats_differ = len(set(self._limits["velocity"])) > 1
+        self._size = observation_size(config) if side == "hunter" else prey_observation_size(config)
+        self._limits: dict[Control, list[Any]] = {}
+        """Limits of all N agents, by control of the hunters."""
+        for word in get_args(Control):
+            controlled = config.replace(control=word)
+            self._limits[word] = [player_limits(controlled, agent) for agent in range(len(self._names))]
+        self._seats_differ = len(set(self._limits["velocity"][self.agents])) > 1
         self._seated = np.full((num_envs, self.agents.stop - self.agents.start), LEARNER)
         self._instances: dict[tuple[int, int], Player] = {}
         """The instance in each seat, by arena and agent, of those that have only `act`."""
@@ -238,7 +236,7 @@ class Players:
             control: control of the hunters.
         """
         seen = observations[..., : self._size][rows]
-        limits = self._limits[control][int(rows[1][0]) if self._seats_differ else -1]
+        limits = self._limits[control][int(rows[1][0]) if self._seats_differ else self.agents.start]
         return PreyBatchView(seen, limits) if self._side == "prey" else BatchView(seen, masks[rows], limits)
 
     def act(
