@@ -1,7 +1,7 @@
 """Agents that choose one of a few commands by a network over the observation (examples/train_sides.py)."""
 
 import os
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,13 +42,10 @@ class FlatAgent:
 
     def act(self, view: View | PreyView) -> tuple[float, float]:
         """Return speed and turn rate of one agent, as fractions of the limits."""
-        speed, turn = self._commands(view).tolist()
+        speed, turn = self.act_batch(view).tolist()
         return speed, turn
 
-    def act_batch(self, view: BatchView | PreyBatchView) -> NDArray[np.float32]:
-        """Return the speeds and turn rates of N agents, (N, 2)."""
-        return self._commands(view)
-
-    def _commands(self, view: Any) -> NDArray[np.float32]:
+    def act_batch(self, view: BatchView | PreyBatchView | View | PreyView) -> NDArray[np.float32]:
+        """Return the speeds and turn rates of N agents, (N, 2), or of one, (2,)."""
         commands: NDArray[np.float32] = COMMANDS[self.network(fit_observation(view, self.trained)).argmax(axis=-1)]
         return commands

@@ -157,14 +157,12 @@ class PointerAgent:
 
     def act(self, view: View) -> Any:
         """Return the action of one hunter for this step."""
-        (action,) = self._actions(destinations(view), view.limits).tolist()
+        (action,) = self.act_batch(view).tolist()
         return action
 
-    def act_batch(self, view: BatchView) -> Any:
-        """Return the actions of N hunters: (N,) ranks or (N, 2) velocities."""
-        return self._actions(destinations(view), view.limits)
-
-    def _actions(self, seen: Destinations, limits: Limits) -> Any:
+    def act_batch(self, view: BatchView | View) -> Any:
+        """Return the actions of N hunters, or of one (N = 1): (N,) ranks or (N, 2) velocities."""
+        seen = destinations(view)
         logits, mixed = self.network(seen)
         if self.network.head == "velocity":
             return np.clip(self.network.velocities(logits, mixed), -1, 1)
@@ -172,7 +170,7 @@ class PointerAgent:
         if self.network.head == "rank":
             return choice  # 0 holds, and the candidates after it are the targets by rank
         rows = np.arange(len(choice))
-        return drive(seen.forward[rows, choice], seen.left[rows, choice], choice < seen.places, limits)
+        return drive(seen.forward[rows, choice], seen.left[rows, choice], choice < seen.places, view.limits)
 
 
 def drive(
