@@ -60,9 +60,9 @@ def test_every_catch_of_a_real_turtles_bag_is_judged_where_it_stood(tmp_path, st
     caught = record_chase(tmp_path / "chase", storage=storage)
     assert len(caught) > 6
     judged = judge_bag(read_bag(tmp_path / "chase"))
-    assert [one.catch.name for one in judged] == [name for _, name, _ in caught]
+    assert [one.ruling.target for one in judged] == [name for _, name, _ in caught]
     for one, (time_ms, _, metres) in zip(judged, caught, strict=True):
-        assert one.catch.time_ms == pytest.approx(time_ms, abs=0.01)
+        assert one.time_ms == pytest.approx(time_ms, abs=0.01)
         assert one.hunter == "turtle1"
         assert one.ruling.distance_um == pytest.approx(1e6 * metres, abs=2)
         assert one.ruling.verdict is (Verdict.GRANTED if metres < 0.3 else Verdict.OUT_OF_REACH)
@@ -112,7 +112,7 @@ def test_what_was_caught_in_a_match_comes_back_with_the_same_rulings(tmp_path, s
         for one in after.rulings
         if one.success
     ]
-    assert sorted((one.catch.time_ms, one.ruling.hunter, one.ruling.target) for one in judged) == sorted(granted)
+    assert sorted((one.time_ms, one.ruling.hunter, one.ruling.target) for one in judged) == sorted(granted)
     assert {one.ruling.verdict for one in judged} == {Verdict.GRANTED}
     assert len(judged) > 3
     *_, last = bag_worlds(bag, judged)
@@ -135,7 +135,7 @@ def test_a_target_without_a_name_and_one_out_of_reach_are_told_apart(tmp_path):
     contents = read_bag(tmp_path / "wrong")
     assert list(contents.hunters) == ["turtle1"]
     judged = judge_bag(contents)
-    assert [(one.catch.name, one.ruling.verdict) for one in judged] == [
+    assert [(one.ruling.target, one.ruling.verdict) for one in judged] == [
         ("", Verdict.UNKNOWN_TARGET),
         ("target_turtle_1", Verdict.GRANTED),
         ("target_turtle_2", Verdict.OUT_OF_REACH),

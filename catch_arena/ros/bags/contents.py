@@ -1,4 +1,4 @@
-"""Contents of a bag of turtlesim: the turtles' poses, the targets that were alive, and the catches.
+"""Contents of a bag of turtlesim: the turtles' poses, and the targets that were alive.
 
 Times are milliseconds since the bag's first message.
 """
@@ -9,9 +9,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from catch_arena.messages import Pose, Turtle
-
-Place = tuple[float, float]
-"""Coordinates (x, y) [m]."""
 
 
 @dataclass(slots=True)
@@ -49,25 +46,16 @@ class Track:
 
 
 @dataclass(frozen=True, slots=True)
-class RecordedCatch:
-    """A target that left the list."""
-
-    time_ms: float
-    name: str
-    listed: Mapping[str, Place]
-    """Targets that were alive before the catch, and their places in the list [m]."""
-
-
-@dataclass(frozen=True, slots=True)
 class BagContents:
     """Contents of a bag."""
 
     hunters: Mapping[str, Track]
     """Tracks of the hunters by name, in the order of seats."""
     lists: Sequence[tuple[float, Sequence[Turtle]]]
-    """Times [ms] and the targets that were alive from then on, in places clamped to the window as turtlesim does."""
-    catches: Sequence[RecordedCatch]
-    """Catches in the order of time."""
+    """Times [ms] and the targets that were alive from then on, in places clamped to the window as turtlesim does.
+
+    A target that leaves the list was caught.
+    """
     end_ms: float
     left_out: int
     """Number of messages that are damaged or have impossible values."""

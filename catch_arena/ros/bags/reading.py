@@ -2,9 +2,8 @@
 
 import math
 import re
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -17,7 +16,7 @@ from rosbags.typesys.store import Typestore
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.errors import ReplayError, reason
 from catch_arena.messages import Pose, Turtle
-from catch_arena.ros.bags.contents import BagContents, Place, RecordedCatch, Track
+from catch_arena.ros.bags.contents import BagContents, Track
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, POSE, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.ros.middleware.typestore import register
@@ -33,39 +32,6 @@ _Handler = Callable[[float, Any], None]
 """Function that takes the time [ms] and one message, and raises an error for a message with impossible values."""
 
 
-@dataclass(slots=True)
-class _Recording:
-    """The part of a bag that has been read already."""
-
-    tracks: dict[str, Track] = field(default_factory=dict)
-    lists: list[tuple[float, Sequence[Turtle]]] = field(default_factory=list)
-    catches: list[RecordedCatch] = field(default_factory=list)
-    ever_listed: set[str] = field(default_factory=set)
-    alive: dict[str, Place] = field(default_factory=dict)
-    """Targets of the last list."""
-
-    def on_pose(self, name: str, time_ms: float, message: Any) -> None:
-        """Add the pose of a turtle."""
-        pose = Pose(*(float(getattr(message, part)) for part in Pose._fields))
-        inside = all(-_OUTSIDE_M <= place <= TURTLESIM_SIDE_M + _OUTSIDE_M for place in pose[:2])
-        if not (inside and all(map(math.isfinite, pose))):
-            raise ValueError("a pose lies outside the window")
-        track = self.tracks.setdefault(name, Track())
-        track.times_ms.append(time_ms)
-        track.poses.append(pose)
-
-    def on_list(self, time_ms: float, message: Any) -> None:
-        """Add a list of targets; targets of the previous list that are not in it count as caught."""
-        if not all(math.isfinite(number) for one in message.turtles for number in (one.x, one.y, one.theta)):
-            raise ValueError("a target's place is not finite")
-        turtles = [Turtle(one.name, _clamped(one.x), _clamped(one.y), float(one.theta)) for one in message.turtles]
-        now = {turtle.name: (turtle.x, turtle.y) for turtle in turtles}
-        self.catches += [RecordedCatch(time_ms, name, self.alive) for name in self.alive if name not in now]
-        self.alive = now
-        self.ever_listed |= now.keys()
-        self.lists.append((time_ms, turtles))
-
-
 def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> BagContents:
     """Read a bag of turtlesim.
 
@@ -76,12 +42,13 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
     Raises:
         ReplayError: for a file that is not a bag of turtlesim, or a bag without a hunter.
     """
-    recording = _Recording()
+    tracks: dict[str, Track] = {}
+    lists: list[tuple[float, Sequence[Turtle]]] = []
     faults: dict[str, str] = {}
     left_out, end_ms = 0, 0.0
     with _opened(path) as bag:
         store = get_typestore(Stores.ROS2_JAZZY)
-        handlers = _handlers(path, recording, bag.connections, store)
+        handlers = _handlers(path, tracks, lists, bag.connections, store)
         wanted = [one for one in bag.connections if one.topic in handlers]
         total = sum(one.msgcount for one in wanted)
         first: int | None = None
@@ -99,25 +66,44 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
             if progress is not None:
                 progress(done, total)
     for topic, fault in faults.items():
-        if topic.endswith(ALIVE_TURTLES) and not recording.lists:
+        if topic.endswith(ALIVE_TURTLES) and not lists:
             raise ReplayError(
                 f"{path}: {topic}: its messages must be TurtleArray with string name, float64 x, y, theta; none can "
                 f"be read: {fault}"
             )
-    if not recording.tracks:
+    if not tracks:
         fault = next((f": {one}" for one in faults.values()), "")
         raise ReplayError(f"{path}: has no pose that can be read{fault}")
-    hunters = _hunters(recording)
+    listed = {turtle.name for _, turtles in lists for turtle in turtles}
+    hunters = _hunters({name: track for name, track in tracks.items() if name not in listed})
     if not hunters:
         raise ReplayError(f"{path}: has no poses of hunters; record {pose_of(TURTLE)} too")
-    return BagContents(hunters, recording.lists, recording.catches, end_ms, left_out)
+    return BagContents(hunters, lists, end_ms, left_out)
 
 
-def _hunters(recording: _Recording) -> dict[str, Track]:
-    """Return the hunters' tracks: hunter_0 and so on of `ros serve`, else the turtles that never were in a list."""
-    free = [name for name in recording.tracks if name not in recording.ever_listed]
-    own = sorted((name for name in free if _OWN_HUNTER.fullmatch(name)), key=lambda name: int(name[7:]))
-    return {name: recording.tracks[name] for name in own or free}
+def _hunters(tracks: Mapping[str, Track]) -> Mapping[str, Track]:
+    """Return the hunters' tracks: hunter_0 and so on of `ros serve`, else those of all turtles that were in no list."""
+    own = sorted((name for name in tracks if _OWN_HUNTER.fullmatch(name)), key=lambda name: int(name[7:]))
+    return {name: tracks[name] for name in own} or tracks
+
+
+def _add_pose(tracks: dict[str, Track], name: str, time_ms: float, message: Any) -> None:
+    """Add a pose to the track of a turtle."""
+    pose = Pose(*(float(getattr(message, part)) for part in Pose._fields))
+    inside = all(-_OUTSIDE_M <= place <= TURTLESIM_SIDE_M + _OUTSIDE_M for place in pose[:2])
+    if not (inside and all(map(math.isfinite, pose))):
+        raise ValueError("a pose lies outside the window")
+    track = tracks.setdefault(name, Track())
+    track.times_ms.append(time_ms)
+    track.poses.append(pose)
+
+
+def _add_list(lists: list[tuple[float, Sequence[Turtle]]], time_ms: float, message: Any) -> None:
+    """Add a list of the targets that are alive."""
+    if not all(math.isfinite(number) for one in message.turtles for number in (one.x, one.y, one.theta)):
+        raise ValueError("a target's place is not finite")
+    turtles = [Turtle(one.name, _clamped(one.x), _clamped(one.y), float(one.theta)) for one in message.turtles]
+    lists.append((time_ms, turtles))
 
 
 def _clamped(place_m: float) -> float:
@@ -143,22 +129,26 @@ def _opened(path: Path) -> Iterator[Reader]:
 
 
 def _handlers(
-    path: Path, recording: _Recording, connections: Sequence[Connection], store: Typestore
+    path: Path,
+    tracks: dict[str, Track],
+    lists: list[tuple[float, Sequence[Turtle]]],
+    connections: Sequence[Connection],
+    store: Typestore,
 ) -> dict[str, _Handler]:
     """Return a handler for each topic of the game, and register the types of their messages."""
     handlers: dict[str, _Handler] = {}
-    lists = {connection.topic for connection in connections if connection.msgtype.endswith("/msg/TurtleArray")}
+    list_topics = {connection.topic for connection in connections if connection.msgtype.endswith("/msg/TurtleArray")}
     has_poses = False
     for connection in connections:
         package, _, kind = connection.msgtype.partition("/")
         topic = connection.topic
         if kind == "msg/Pose" and package in {"turtlesim", "turtlesim_msgs"} and topic.endswith(POSE):
             register(store, Interfaces(turtlesim=package).pose)
-            handlers[topic] = partial(recording.on_pose, topic.strip("/").removesuffix(POSE))
+            handlers[topic] = partial(_add_pose, tracks, topic.strip("/").removesuffix(POSE))
             has_poses = True
-        elif topic in lists and (topic.endswith(ALIVE_TURTLES) or len(lists) == 1):
+        elif topic in list_topics and (topic.endswith(ALIVE_TURTLES) or len(list_topics) == 1):
             _register_list(connection, store)
-            handlers[topic] = recording.on_list
+            handlers[topic] = partial(_add_list, lists)
     if not has_poses:
         raise ReplayError(f"{path}: has no poses of turtlesim; record with ros2 bag record -a")
     return handlers

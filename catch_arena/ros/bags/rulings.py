@@ -3,34 +3,36 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import pairwise
 from typing import Final
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.explanation.formatting import metres
-from catch_arena.ros.bags.contents import BagContents, Place, RecordedCatch
+from catch_arena.ros.bags.contents import BagContents
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling
 
 _LONGEST_NAME: Final = 60
+_Place = tuple[float, float]
+"""Coordinates (x, y) [m]."""
 
 
 @dataclass(frozen=True, slots=True)
 class JudgedCatch:
     """One catch of a bag, and its ruling."""
 
-    catch: RecordedCatch
+    time_ms: float
     hunter: str
     """The hunter nearest to the target: a list does not say who caught it."""
     ruling: Ruling
 
     def __str__(self) -> str:
         """One line: time, hunter, target, distance, and the ruling with its clause."""
-        name = printable(self.catch.name[:_LONGEST_NAME]) or "a target without a name"
+        name = printable(str(self.ruling.target)[:_LONGEST_NAME]) or "a target without a name"
         distance = "" if self.ruling.distance_um is None else f" from {metres(self.ruling.distance_um)}"
         contrast = "" if self.ruling.success else "but "
         return (
-            f"{self.catch.time_ms / 1000.0:9.3f} s  {self.hunter} caught {name}{distance}: "
+            f"{self.time_ms / 1000.0:9.3f} s  {self.hunter} caught {name}{distance}: "
             f"{contrast}{self.ruling.verdict.name}, {self.ruling.reason}"
         )
 
@@ -38,27 +40,27 @@ class JudgedCatch:
 def judge_bag(bag: BagContents, reach_m: float = 0.3) -> list[JudgedCatch]:
     """Judge the catches of a bag in their order, each by the last poses before it.
 
-    Catches of one instant are judged together (R5.1). A tie is drawn as in a match with the seed 0.
+    Targets that leave the list in one message are judged together (R5.1). A tie is drawn as in a match with the seed 0.
 
     Raises:
         ConfigError: for a reach that is not allowed.
     """
     names = tuple(bag.hunters)
     judged: list[JudgedCatch] = []
-    for time_ms, group in groupby(bag.catches, key=lambda one: one.time_ms):
-        catches = list(group)
+    for (_, before), (time_ms, after) in pairwise(bag.lists):
+        remaining = {turtle.name for turtle in after}
+        caught = dict.fromkeys(turtle.name for turtle in before if turtle.name not in remaining)
+        if not caught:
+            continue
         hunters = [track.last(time_ms)[:2] for track in bag.hunters.values()]
-        targets = {name: place for name, place in catches[0].listed.items() if name}  # no name: not in turtlesim
-        seats = [_nearest(hunters, targets.get(one.name)) for one in catches]
+        targets = {turtle.name: (turtle.x, turtle.y) for turtle in before if turtle.name}  # no name: not in turtlesim
         rulings = arbitrate(
             hunters=hunters,
             targets=targets,
-            requests=[(seat, one.name) for seat, one in zip(seats, catches, strict=True)],
+            requests=[(_nearest(hunters, targets.get(name)), name) for name in caught],
             reach_m=reach_m,
         )
-        judged += [
-            JudgedCatch(one, names[seat], ruling) for one, seat, ruling in zip(catches, seats, rulings, strict=True)
-        ]
+        judged += [JudgedCatch(time_ms, names[ruling.hunter], ruling) for ruling in rulings]
     return judged
 
 
@@ -68,5 +70,5 @@ def summary(judged: Sequence[JudgedCatch]) -> str:
     return f"catches: {len(judged)} in the recording, {granted} of them granted by the arbiter"
 
 
-def _nearest(hunters: Sequence[Place], target: Place | None) -> int:
+def _nearest(hunters: Sequence[_Place], target: _Place | None) -> int:
     return 0 if target is None else min(range(len(hunters)), key=lambda seat: math.dist(hunters[seat], target))

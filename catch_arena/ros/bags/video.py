@@ -79,7 +79,7 @@ def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[Worl
     scores = [0] * len(bag.hunters)
     by_tick: dict[int, list[JudgedCatch]] = {}
     for one in judged:
-        by_tick.setdefault(int(one.catch.time_ms // TICK_MS) + 1, []).append(one)
+        by_tick.setdefault(int(one.time_ms // TICK_MS) + 1, []).append(one)
     for tick in range(ceil(bag.end_ms / TICK_MS) + 1):
         time_ms = tick * TICK_MS
         while lists and lists[0][0] < time_ms:
