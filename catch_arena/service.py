@@ -14,7 +14,7 @@ from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARG
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
-from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, TurtleArray, Twist
+from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray, Twist
 from catch_arena.plain import as_python, real_number
 from catch_arena.replay import Recorder, Replay
 from catch_arena.replay.named_requests import RequestBudget
@@ -221,8 +221,8 @@ class ArenaService:
                 one holds, and so does one whose target is out of its sight (R7.5), or not in its observation.
 
         Returns:
-            one ruling for each request; `response` converts it to the service's answer. The rulings of other hunters
-            are in `world.rulings`.
+            one ruling for each request; its `success` is the service's answer (R5.2). The rulings of other hunters are
+            in `world.rulings`.
 
         Raises:
             ActionError: for an unknown hunter, a request by a hunter that is not under full control, or a Twist that is
@@ -344,11 +344,6 @@ class ArenaService:
         if hunter not in names:
             raise ActionError(f"unknown hunter {hunter!r}: {suggest(hunter, names)}")
         return names.index(hunter)
-
-
-def response(ruling: Ruling) -> CatchTurtleResponse:
-    """R5.2: return the answer of catch_turtle to a request."""
-    return CatchTurtleResponse(ruling.success)
 
 
 def _require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:

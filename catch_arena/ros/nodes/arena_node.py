@@ -25,11 +25,10 @@ from catch_arena.ros.middleware.interfaces import (
     StandingMessage,
     Time,
 )
-from catch_arena.ros.nodes.advice import Advice
 from catch_arena.ros.nodes.agents import AgentSeats
-from catch_arena.ros.nodes.neighbours import Neighbours, run_line
+from catch_arena.ros.nodes.neighbours import Neighbours, remapping_to, run_line
 from catch_arena.ros.nodes.seats import RosSeat
-from catch_arena.service import ArenaService, response
+from catch_arena.service import ArenaService
 from catch_arena.tournament.ranks import ranks_of
 from catch_arena.world import World
 
@@ -75,44 +74,38 @@ class ArenaNode:
         log: Log,
     ) -> None:
         self._bus, self._service, self._agents, self._interfaces, self._log = bus, service, agents, interfaces, log
-        hunters, controls = service.config.hunter_names, service.config.controls
-        self._names = names
-        self._players = dict(zip(hunters, names, strict=True))
-        """The players' names, by hunter."""
-        self.seats = [RosSeat(hunters[seat], log, only_drives=controls[seat] == "velocity") for seat in sorted(driven)]
-        self.advice = Advice(service.config, names, log)
+        config, self._names = service.config, names
+        turtles = [[hunter] for hunter in config.hunter_names]
+        """Names of each hunter on the bus, by seat."""
+        if len(driven) == 1:
+            (only,) = driven
+            turtles[only].append(graph_names.TURTLE)
+        elif driven:  # no hunter is called turtle1 here
+            bus.subscribe(_EXERCISE_CMD_VEL, TWIST, lambda _: self._explain_remapping())
+        self.seats = [RosSeat(config, seat, turtles[seat], names[seat], log) for seat in sorted(driven)]
         self._log_once = OnceLog(log)
-        self._neighbours = Neighbours(hunters, [seat.hunter for seat in self.seats], interfaces, log)
+        self._neighbours = Neighbours(config.hunter_names, [seat.hunter for seat in self.seats], interfaces, log)
         self._remapping_explained = False
         """True if the advice on remapping a node that drives turtle1 was logged."""
-        self._pending: list[tuple[str, Request]] = []
-        """Catch requests for the next step, each with its hunter."""
+        self._pending: list[tuple[RosSeat, Request]] = []
+        """Catch requests for the next step."""
         self._ticks = 0
         self._list_from = 0
         """The first tick in which the list of targets may be published."""
         self._standing: tuple[tuple[int, ...], bool] = (), False
         """The scores, and whether the match has ended, in the last standings."""
-        self._cmd_vels = {seat.hunter: [graph_names.cmd_vel_of(seat.hunter)] for seat in self.seats}
-        poses = {hunter: [graph_names.pose_of(hunter)] for hunter in hunters}
-        drawing = {graph_names.CLEAR: EMPTY}
-        drawing |= {graph_names.set_pen_of(seat.hunter): interfaces.set_pen for seat in self.seats}
-        if len(self.seats) == 1:
-            (only,) = self.seats
-            drawing[graph_names.set_pen_of(graph_names.TURTLE)] = interfaces.set_pen
-            self._cmd_vels[only.hunter].append(_EXERCISE_CMD_VEL)
-            poses[only.hunter].append(graph_names.pose_of(graph_names.TURTLE))
-        elif self.seats:  # no hunter is called turtle1 here
-            bus.subscribe(_EXERCISE_CMD_VEL, TWIST, lambda _: self._explain_remapping())
-        self._watched = [topic for seat in self.seats for topic in poses[seat.hunter]]
+        self._watched = [graph_names.pose_of(turtle) for seat in self.seats for turtle in seat.turtles]
         """Topics whose new listeners are new nodes."""
-        self._poses = [[bus.publisher(topic, interfaces.pose) for topic in poses[hunter]] for hunter in hunters]
+        self._poses = [[bus.publisher(graph_names.pose_of(one), interfaces.pose) for one in own] for own in turtles]
         self._lists = [bus.publisher(graph_names.ALIVE_TURTLES, interfaces.turtle_array)]
         self._rulings = self._optional_publisher(graph_names.RULINGS, RULING)
         self._standings = self._optional_publisher(graph_names.STANDINGS, STANDING)
         self._clock = bus.publisher(graph_names.CLOCK, CLOCK) if clock else None
+        drawing = {graph_names.CLEAR: EMPTY}
         for seat in self.seats:
-            for topic in self._cmd_vels[seat.hunter]:
-                bus.subscribe(topic, TWIST, seat.on_twist)
+            for turtle in seat.turtles:
+                bus.subscribe(graph_names.cmd_vel_of(turtle), TWIST, seat.on_twist)
+                drawing[graph_names.set_pen_of(turtle)] = interfaces.set_pen
             bus.serve(graph_names.catch_turtle_of(seat.hunter), interfaces.catch_turtle, partial(self._ask, seat))
         bus.serve(graph_names.CATCH_TURTLE, interfaces.catch_turtle, self._on_catch_turtle)
         bus.serve(graph_names.SPAWN, interfaces.spawn, self._on_spawn)
@@ -135,7 +128,7 @@ class ArenaNode:
     @property
     def missing(self) -> list[RosSeat]:
         """The seats that no node drives yet, as far as the bus reports it."""
-        return [seat for seat in self.seats if not seat.driven and not self._publishers(seat)]
+        return [seat for seat in self.seats if seat.state != "driven" and not self._publishers(seat)]
 
     def wait(self) -> None:
         """Let a tick pass while the clock stands, so that nodes get the state and find each other."""
@@ -152,16 +145,16 @@ class ArenaNode:
         }
         active_targets: dict[str, str] = {}
         pending, self._pending = self._pending, []
-        requests = [(hunter, CatchTurtleRequest(request.message.name)) for hunter, request in pending]
+        requests = [(seat.hunter, CatchTurtleRequest(request.message.name)) for seat, request in pending]
         if self._agents is not None and not self._service.over:
             actions = self._agents.act(before.time_ms)
             commands |= actions.cmd_vel
             active_targets = actions.active_targets
             requests += actions.requests
         rulings = self._service.step(commands, requests, active_targets)
-        for (requester, request), ruling in zip(pending, rulings, strict=False):
-            request.answer(response(ruling))
-            self.advice.note(requester, ruling, {name for hunter, (name,) in requests if hunter == requester})
+        for (seat, request), ruling in zip(pending, rulings, strict=False):
+            request.answer(CatchTurtleResponse(ruling.success))
+            seat.note(ruling, {name for hunter, (name,) in requests if hunter == seat.hunter})
         world = self._service.world
         by_name = {hunter for hunter, _ in requests}
         hosted = [ruling for ruling in world.rulings if world.hunters[ruling.hunter].name not in by_name]
@@ -184,19 +177,14 @@ class ArenaNode:
         shared = len(self.seats) > 1
         for seat in self.missing:
             topic = graph_names.cmd_vel_of(seat.hunter) if shared else _EXERCISE_CMD_VEL
-            self._log(f"waiting for {self._players[seat.hunter]} on {topic}: {run_line(seat.hunter, shared=shared)}")
+            self._log(f"waiting for {seat.player} on {topic}: {run_line(seat.hunter, shared=shared)}")
         if again and self._bus.graph() is not None:
             seen = ", ".join(self._neighbours.seen) or "no other node: same ROS_DOMAIN_ID? same network?"
             self._log(f"seen: {seen}; `catch-arena ros doctor` shows more")
 
     def remarks(self) -> tuple[str, ...]:
         """Return lines for the authors of nodes, to print after the ranking."""
-        never = [
-            f"{self._players[seat.hunter]}: no node drove {seat.hunter}: look for an error in its terminal"
-            for seat in self.seats
-            if not seat.drove
-        ]
-        return (*self.advice.remarks(), *never)
+        return tuple(line for seat in self.seats for line in seat.remarks())
 
     # publishing
 
@@ -264,13 +252,20 @@ class ArenaNode:
                 self._lists.append(self._bus.publisher(name, self._interfaces.turtle_array))
 
     def _explain_remapping(self) -> None:
+        """Log once how a node that drives turtle1 becomes one of the hunters that no node drives."""
         if self._remapping_explained:  # `missing` queries the bus, which is too slow for each Twist of a flood
             return
         self._remapping_explained = True
-        self.advice.explain_remapping([seat.hunter for seat in self.missing or self.seats])
+        free = self.missing or self.seats
+        first, *further = (f"{seat.hunter} ({seat.player})" for seat in free)
+        also = f"; in the same way for {', '.join(further)}" if further else ""
+        self._log(
+            f"warning: a node drives {graph_names.TURTLE}, but no hunter has that name if several seats are for "
+            f"nodes: start it with {remapping_to(free[0].hunter)} to drive {first}{also}"
+        )
 
     def _publishers(self, seat: RosSeat) -> int | None:
-        found = [self._bus.publishers_of(topic) for topic in self._cmd_vels[seat.hunter]]
+        found = [self._bus.publishers_of(graph_names.cmd_vel_of(turtle)) for turtle in seat.turtles]
         reported = [number for number in found if number is not None]
         return sum(reported) if reported else None
 
@@ -294,8 +289,8 @@ class ArenaNode:
             self._log_once.warn(
                 f"the arena requests the targets within reach of {seat.hunter} (R4.4): requests by nodes are refused"
             )
-        elif sum(hunter == seat.hunter for hunter, _ in self._pending) < _MOST_JUDGED:
-            self._pending.append((seat.hunter, request))
+        elif sum(one is seat for one, _ in self._pending) < _MOST_JUDGED:
+            self._pending.append((seat, request))
             return
         request.answer(_REFUSED)
 

@@ -1,41 +1,52 @@
-"""Hunters that ROS nodes drive, and their commands while a node is silent."""
+"""Hunters that ROS nodes drive: their commands while a node is silent, and advice for the authors of the nodes."""
 
 import math
-from typing import Final
+from collections.abc import Collection, Iterator, Sequence
+from typing import Final, Literal
 
+from catch_arena.config import ArenaConfig
 from catch_arena.core.physics import WATCHDOG_MS
 from catch_arena.messages import Twist
 from catch_arena.ros.middleware.bus import Log, OnceLog
+from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES
 from catch_arena.ros.middleware.interfaces import TwistMessage
+from catch_arena.text import one_line
+from catch_arena.verdicts import Ruling, Verdict
 
 STANDING_STILL: Final = Twist(0.0, 0.0)
 _FASTEST: Final = 1e9
 """Bound of the speeds and turn rates in a Twist, far above every limit of R2.5, which the arena applies later."""
+_LOG_AT: Final = 10
+"""Number of requests for targets that are gone after which the author gets a line."""
 
 
 class RosSeat:
     """One hunter. Its node drives it until the node has been silent for as long as a Twist holds.
 
     Args:
-        hunter: name of the hunter.
-        log: takes one line when the seat's state changes.
-        only_drives: whether the arena requests the targets in its reach (R4.4), and not its node.
+        config: the arena's settings.
+        seat: the hunter's seat. Under velocity control the arena requests the targets in its reach (R4.4).
+        turtles: the hunter's names on the bus.
+        player: name of the player.
+        log: takes one line when the seat's state changes, and for new advice.
     """
 
-    def __init__(self, hunter: str, log: Log, *, only_drives: bool = False) -> None:
-        self.hunter, self.only_drives = hunter, only_drives
-        self.driven = False
-        """True while a node drives it."""
+    def __init__(self, config: ArenaConfig, seat: int, turtles: Sequence[str], player: str, log: Log) -> None:
+        self.hunter, self.turtles, self.player = config.hunter_names[seat], turtles, player
+        self.only_drives = config.controls[seat] == "velocity"
+        self.state: Literal["new", "driven", "silent", "left"] = "new"
+        """State: "new" until a node drives it, then "driven"; after that "left", or "silent" if no line was logged."""
         self._log, self._log_once = log, OnceLog(log)
         self._twist = STANDING_STILL
         self._has_new_twist = False
-        self._is_missing = True
-        """True if the next Twist is logged: no node has driven the hunter yet, or its silence was logged."""
-        self.drove = False
-        """True if a node ever drove it."""
-        self._had_publishers = self._has_left = False
-        """True if a node that could drive it was on the bus; if one has left."""
+        self._had_publishers = False
+        """True if a node that could drive it was on the bus."""
         self._last_twist_ms = -WATCHDOG_MS
+        self._reach_m = config.reaches[seat]
+        self._too_far_um: list[int] = []
+        """Distances of its node's requests that were out of reach."""
+        self._too_late = 0
+        """Number of its node's requests for targets that were gone."""
 
     def on_twist(self, message: TwistMessage) -> None:
         """Take a Twist; the last one before a step counts."""
@@ -45,13 +56,13 @@ class RosSeat:
             return
         if message.linear.y != 0.0:
             self._log_once.warn(f"{self.hunter}: its node sends linear.y, which turtles ignore: turn instead")
-        if not self.driven and self._is_missing:
-            self._log(f"{self.hunter}: its node {'is back' if self._has_left else 'is there'}")
-        self.driven = self.drove = True
+        if self.state in {"new", "left"}:
+            self._log(f"{self.hunter}: its node {'is there' if self.state == 'new' else 'is back'}")
+        self.state = "driven"
         self._twist = Twist(*(min(max(value, -_FASTEST), _FASTEST) for value in (speed, turn_rate)))
         self._has_new_twist = True
 
-    def command(self, now_ms: int, tick_ms: int, *, targets: bool = True) -> Twist:
+    def command(self, now_ms: int, tick_ms: int, *, targets: bool) -> Twist:
         """R2.4: return the last Twist in each step, and zero at the first tick more than a second after it came.
 
         Args:
@@ -63,8 +74,10 @@ class RosSeat:
             self._has_new_twist = False
             self._last_twist_ms = now_ms
         if tick_ms - self._last_twist_ms > WATCHDOG_MS:
-            if self.driven:
-                self._leave("is silent", logged=targets)
+            if self.state == "driven" and targets:
+                self._leave("is silent")
+            elif self.state == "driven":
+                self.state = "silent"
             return STANDING_STILL
         return self._twist
 
@@ -76,27 +89,58 @@ class RosSeat:
         """
         if publishers is None:
             return
-        if self.driven and publishers > 1:
+        if self.state == "driven" and publishers > 1:
             self._log_once.warn(
                 f"{self.hunter}: {publishers} nodes may drive it, and this bus does not report which one "
                 "sends: all are obeyed",
                 "two",
             )
         gone = self._had_publishers and not publishers
-        if gone and not self.drove:
+        if gone and self.state == "new":
             self._log(f"{self.hunter}: its node has gone, and never drove: look for an error in its terminal")
-        elif not publishers and (self.driven or (gone and not self._is_missing)):  # or its silence was not logged
+        elif not publishers and (self.state == "driven" or (gone and self.state == "silent")):
             self._leave("has gone")
         self._had_publishers = bool(publishers)
+
+    def note(self, ruling: Ruling, requested: Collection[str]) -> None:
+        """Note the ruling on a request of its node, and log advice once.
+
+        Args:
+            ruling: the ruling.
+            requested: the targets that the node requested in this step.
+        """
+        if ruling.verdict is Verdict.OUT_OF_REACH and ruling.distance_um is not None:
+            self._too_far_um.append(ruling.distance_um)
+        elif ruling.verdict is Verdict.DUPLICATE and len(requested) > 1:
+            hint = "only the first request of a step can be granted (R5.2): request one target within reach"
+            self._log_once(f"{self.hunter} requested several targets in one step; {hint}", "several")
+        elif ruling.verdict in {Verdict.ALREADY_CAUGHT, Verdict.UNKNOWN_TARGET}:
+            self._too_late += 1
+            if self._too_late == _LOG_AT:
+                target = one_line(str(ruling.target)[:40])
+                self._log(
+                    f"{self.player} has requested targets that are gone {_LOG_AT} times, such as {target}: "
+                    f"choose another target when yours leaves {ALIVE_TURTLES}"
+                )
+
+    def remarks(self) -> Iterator[str]:
+        """Yield lines for the author of its node, to print after the ranking."""
+        if self._too_far_um:
+            near, far = min(self._too_far_um) / 1e6, max(self._too_far_um) / 1e6
+            times = "1 request" if len(self._too_far_um) == 1 else f"{len(self._too_far_um)} requests"
+            yield (
+                f"{self.player}: {times} from too far, {near:.2f} to {far:.2f} m away: "
+                f"a catch needs less than reach_m, {self._reach_m:g} m"
+            )
+        if self.state == "new":
+            yield f"{self.player}: no node drove {self.hunter}: look for an error in its terminal"
 
     def stop(self) -> None:
         """Stand still until the next Twist."""
         self._twist, self._has_new_twist = STANDING_STILL, False
         self._last_twist_ms = -WATCHDOG_MS
 
-    def _leave(self, state: str, *, logged: bool = True) -> None:
-        self.driven, self._is_missing = False, logged
+    def _leave(self, reason: str) -> None:
+        self.state = "left"
         self.stop()
-        if logged:
-            self._has_left = True
-            self._log(f"{self.hunter}: its node {state}; the hunter stands still until a node drives it again")
+        self._log(f"{self.hunter}: its node {reason}; the hunter stands still until a node drives it again")
