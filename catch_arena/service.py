@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from catch_arena.arbitration import requested_target, rulings_of
 from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, Control
-from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, measure_um, within_reach
+from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET, RequestTable
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
@@ -238,64 +238,50 @@ class ArenaService:
                 raise ActionError(f"{field} must map hunters to {values}, got {shortened(given)}")
         if not isinstance(requests, Collection):
             raise ActionError(f"requests must be a sequence of (hunter, request), got {shortened(requests)}")
-        active_targets = active_targets or {}
-        slots = {target.name: slot for slot, target in enumerate(before.targets)}
-        seats = [self._requesting_seat(hunter) for hunter, _ in requests]
-        names = [request.name for _, request in requests]
-        # without requests the engine makes those of the hosted controllers
-        hosted = self._hosted_requests(before, active_targets) if requests else []
-        table = np.zeros((len(seats) + len(hosted), REQUEST_COLUMNS), dtype=np.int64)
-        table[:, REQUEST_SEAT] = seats + [seat for seat, _ in hosted]
-        table[:, REQUEST_TARGET] = [
-            requested_target(name, slots, self._appeared) for name in (*names, *(name for _, name in hosted))
-        ]
-        choices = self._choices(table[: len(seats)], names, active_targets)
-        commands = self._commands(cmd_vel or {})
+        calls = [(self._requesting_seat(hunter), request.name) for hunter, request in requests]
+        choices, commands = self._choices(calls, active_targets or {}), self._commands(cmd_vel or {})
+        by_name = self._without_rank(calls, choices[0])
+        table = self._request_table(by_name, before)
         running = not self.over
         self._engine.step(choices, commands, requests=table)
+        after = self.world
         if (replay := self._recorder.replay) is not None and running:
-            self._record_named(replay, choices[0], list(zip(seats, names, strict=True)))
+            kept = (self._budget.admit(replay.steps, seat, name) for seat, name in by_name)
+            replay.named_requests += [request for request in kept if request is not None]
             replay.append(choices[0], commands[0], self._engine)
-        self._publish_changes(before)
-        return rulings_of(table[: len(seats)], names, before.step)
+        self._publish_changes(before, after)
+        ranked = {ruling.hunter: ruling for ruling in after.rulings if choices[0, ruling.hunter]}
+        named = iter(rulings_of(table[self._config.hunters :], [name for _, name in by_name], before.step))
+        return [ranked.pop(seat) if seat in ranked else next(named) for seat, _ in calls]
 
-    def _hosted_requests(self, world: World, active_targets: Mapping[str, str]) -> list[tuple[int, str]]:
-        """R4.1, R4.4: return the hosted controllers' requests, as (seat, name)."""
-        found = []
-        for seat, (control, hunter) in enumerate(zip(self._config.controls, world.hunters, strict=True)):
-            if control == "full":
-                continue
-            for target in world.targets:
-                um = measure_um(target.x - hunter.x, target.y - hunter.y)
-                if not within_reach(um, self._config.reaches_um[seat]):
-                    continue
-                rank = self._engine.rank_of(0, seat, target.name)
-                if rank and (rank == 1 if control == "velocity" else active_targets.get(hunter.name) == target.name):
-                    found.append((seat, target.name))
-        return found
-
-    def _choices(
-        self, table: NDArray[np.int64], names: Sequence[str], active_targets: Mapping[str, str]
-    ) -> NDArray[np.int64]:
+    def _choices(self, calls: Sequence[tuple[int, object]], active_targets: Mapping[str, str]) -> NDArray[np.int64]:
         """R4.1, R4.4: return the rank of each hunter's active target in this step, (1, H): the target that it drives
         to, or that it asks for first.
         """
         ranks = np.zeros((1, self._config.hunters), dtype=np.int64)
-        for hunter, name in active_targets.items():
-            seat = self._seat(hunter)
-            ranks[0, seat] = self._engine.rank_of(0, seat, name)
-        for (seat, slot), name in zip(table[::-1, [REQUEST_SEAT, REQUEST_TARGET]].tolist(), names[::-1], strict=True):
-            ranks[0, seat] = self._engine.rank_of(0, seat, name) if slot >= 0 else 0
+        driven_to = [(self._seat(hunter), name) for hunter, name in active_targets.items()]
+        for seat, name in (*driven_to, *reversed(calls)):  # reversed, so that a hunter's first request is written last
+            ranks[0, seat] = self._engine.rank_of(0, seat, name) if isinstance(name, str) else 0
         return ranks
 
-    def _record_named(self, replay: Replay, choices: NDArray[np.int64], requests: Sequence[tuple[int, object]]) -> None:
-        """R8.4: record the requests without a rank; a hunter's rank, unless it is 0, stands for its first request."""
-        ranked = {seat for seat, rank in enumerate(choices.tolist()) if rank}
-        for seat, name in requests:
+    def _without_rank(self, calls: Sequence[tuple[int, object]], ranks: NDArray[np.int64]) -> list[tuple[int, object]]:
+        """R8.4: return the requests without a rank; a hunter's rank, unless it is 0, stands for its first request."""
+        ranked = {seat for seat, _ in calls if ranks[seat]}
+        found = []
+        for seat, name in calls:
             if seat in ranked:
-                ranked.discard(seat)
-            elif (kept := self._budget.admit(replay.steps, seat, name)) is not None:
-                replay.named_requests.append(kept)
+                ranked.remove(seat)
+            else:
+                found.append((seat, name))
+        return found
+
+    def _request_table(self, by_name: Sequence[tuple[int, object]], before: World) -> RequestTable:
+        """Return the engine's table of these requests."""
+        slots = {target.name: slot for slot, target in enumerate(before.targets)}
+        table = np.zeros((self._config.hunters + len(by_name), REQUEST_COLUMNS), dtype=np.int64)
+        for row, (seat, name) in zip(table[self._config.hunters :], by_name, strict=True):
+            row[REQUEST_SEAT], row[REQUEST_TARGET] = seat, requested_target(name, slots, self._appeared)
+        return table
 
     def _commands(self, cmd_vel: Mapping[str, Twist]) -> NDArray[np.float32]:
         """Return Twists as fractions of the limits, (1, H, 2)."""
@@ -310,16 +296,15 @@ class ArenaService:
                 commands[0, seat, place] = max(-1.0, min(1.0, velocity / limit))
         return commands
 
-    def _publish_changes(self, before: World) -> None:
+    def _publish_changes(self, before: World, after: World) -> None:
         """R1.4: publish the targets without those that left, and then with those that have appeared."""
-        after = self.alive_turtles()
-        names = {turtle.name for turtle in after.turtles}
+        names = {target.name for target in after.targets}
         left = TurtleArray(tuple(turtle for turtle in before.alive_turtles.turtles if turtle.name in names))
         if len(left.turtles) < len(before.targets):
             self._publish(left)
-        if len(after.turtles) > len(left.turtles):
+        if len(after.targets) > len(left.turtles):
             self._appeared |= names
-            self._publish(after)
+            self._publish(after.alive_turtles)
 
     def _publish(self, turtles: TurtleArray) -> None:
         for on_alive_turtles in self._subscribers:

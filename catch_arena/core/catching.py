@@ -134,20 +134,20 @@ def refuse_requests(
 
 
 @phase
-def collect_requests(chunk: Rows, s: Settings, lane: int, sections: Sections) -> int:
-    """Write the seats and slots of the requests of one lane that have no answer yet into the request table, and return
-    their number.
+def collect_requests(chunk: Rows, s: Settings, lane: int, sections: Sections, table: RequestTable) -> int:
+    """Write the seats and slots of the requests of one lane that have no answer yet into the last of a table's first H
+    rows, in the order of seats, and return the first of these rows.
 
     `fill_requests` writes the other columns.
     """
-    number = 0
-    for seat in range(s.hunters):
+    first = s.hunters
+    for seat in range(s.hunters - 1, -1, -1):
         slot = sections.requested_slots[seat, lane]
         if slot != float(NO_TARGET) and seat_of(chunk, seat)[VERDICT + lane] == _NO_VERDICT:
-            sections.requests[number, REQUEST_SEAT] = seat
-            sections.requests[number, REQUEST_TARGET] = int(slot)
-            number += 1
-    return number
+            first -= 1
+            table[first, REQUEST_SEAT] = seat
+            table[first, REQUEST_TARGET] = int(slot)
+    return first
 
 
 @phase
@@ -257,21 +257,21 @@ def resolve_requests(
     """R1.4's phases 3 and 4: refuse requests that fail alone, several lanes together, and judge the rest lane by lane.
 
     Args:
-        given_requests: requests that replace those of the hunters, in a chunk of one arena: their seats and slots, or
-            the codes in place of slots; or empty.
+        given_requests: a table of further requests in a chunk of one arena: their seats and slots, or the codes in
+            place of slots, after H rows for the requests of the hunters' actions, which come first; or empty.
     """
     service_up = sections.scratch_rows[:LANES]
     clear_verdicts(chunk, s, width)
     decide_kill_service(chunk, s, width, lanes, service_up)
-    from_hunters = len(given_requests) == 0
-    if from_hunters and s.policy != CAPSTONE:
-        refuse_requests(chunk, s, width, lanes, targets, sections, service_up)
+    table = given_requests
+    if len(given_requests) == 0:
+        table = sections.requests
+        if s.policy != CAPSTONE:
+            refuse_requests(chunk, s, width, lanes, targets, sections, service_up)
     for lane in range(lanes):
-        requests = given_requests
-        if from_hunters:
-            requests = sections.requests[: collect_requests(chunk, s, lane, sections)]
-            if len(requests) == 0:
-                continue
+        requests = table[collect_requests(chunk, s, lane, sections, table) :]
+        if len(requests) == 0:
+            continue
         fill_requests(chunk, s, lane, targets, requests, sections)
         judge_requests(chunk, s, lane, requests, service_up[lane] > 0.0)
         commit(chunk, s, lane, targets, requests, sections)

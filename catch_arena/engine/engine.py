@@ -187,9 +187,9 @@ class Engine:
             choices: (B, H) int64: the rank chosen under target control, or requested under full control, 0 for none.
             commands: (B, N, 2) float32 in [-1, 1]: linear and angular velocity as fractions of the limits. An array
                 that no agent reads may be empty.
-            requests: for a single arena, requests that replace those of the hunters: a table of `arbiter`, (n,
-                columns). REQUEST_SEAT and REQUEST_TARGET (a slot, or a code for none) are read, and all other columns
-                are written.
+            requests: for a single arena, further requests by name: a table of `arbiter`, (H + n, columns), whose first
+                H rows are for the requests of `choices` and of the hosted controllers. Of the others REQUEST_SEAT and
+                REQUEST_TARGET (a slot, or a code for none) are read, and all other columns are written.
         """
         kind, memory, chunks, playing = self._kind, self._memory, self._num_chunks, True
         if self.num_threads == 1:

@@ -100,6 +100,16 @@ def test_a_flood_leaves_the_others_their_part_and_the_match_its_file(tmp_path):
     assert verify(Replay.load(tmp_path / "flood.replay")) == []
 
 
+def test_a_rank_is_a_request_also_in_a_step_with_a_request_by_name():
+    service = ArenaService("duel", reach_m=5.0, max_cycles=1)
+    service.record(("a", "b"))
+    service.reset(3)
+    first = service.world.targets[0].name
+    service.step(requests=[("hunter_1", CatchTurtleRequest("x"))], active_targets={"hunter_0": first})
+    assert [ruling.verdict for ruling in service.world.rulings] == [Verdict.GRANTED, Verdict.UNKNOWN_TARGET]
+    assert verify(service.replay) == []
+
+
 @pytest.mark.parametrize("control", ["target", "velocity"])
 def test_a_hunter_whose_controller_asks_cannot_ask_by_name(control):
     service = ArenaService("duel", control=("full", control))

@@ -24,8 +24,8 @@ def test_a_request_by_name_after_the_end_is_told_too():
     engine = Engine(scenario("duel", max_cycles=1))
     engine.reset([1])
     engine.step(*actions(engine, 0))
-    table = np.zeros((1, REQUEST_COLUMNS), np.int64)
-    table[0, [REQUEST_SEAT, REQUEST_TARGET]] = 1, state.NEVER_SPAWNED
+    table = np.zeros((3, REQUEST_COLUMNS), np.int64)
+    table[2, [REQUEST_SEAT, REQUEST_TARGET]] = 1, state.NEVER_SPAWNED  # after a row for each hunter
     engine.step(*actions(engine, 0), requests=table)
 
     assert [(ruling.hunter, ruling.verdict) for ruling in engine.rulings(0)] == [(1, Verdict.MATCH_OVER)]
