@@ -296,32 +296,15 @@ def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     )
 
 
-STATE_HUNTER_COLUMNS: Final = (
-    "x",
-    "y",
-    "heading_cos",
-    "heading_sin",
-    "linear_velocity",
-    "angular_velocity",
-    "score",
-    "withdrawn",
-)
+_STATE_BODY: Final = ("x", "y", "heading_cos", "heading_sin", "linear_velocity", "angular_velocity")
+"""R7.3: columns of the global state that hunters and prey share."""
+STATE_HUNTER_COLUMNS: Final = (*_STATE_BODY, "score", "withdrawn")
 """R7.3: columns of the global state for each hunter, by seat."""
 STATE_TARGET_COLUMNS: Final = ("present", "x", "y", "age")
 """R7.3: columns of the global state for each of max_targets places of targets, in spawning order."""
 STATE_MOVING_TARGET_COLUMNS: Final = (*STATE_TARGET_COLUMNS, "heading_cos", "heading_sin", "linear_velocity")
 """R7.3: columns of the global state for each place of a target if targets move."""
-STATE_PREY_COLUMNS: Final = (
-    "alive",
-    "x",
-    "y",
-    "heading_cos",
-    "heading_sin",
-    "linear_velocity",
-    "angular_velocity",
-    "times_caught",
-    "withdrawn",
-)
+STATE_PREY_COLUMNS: Final = ("alive", *_STATE_BODY, "times_caught", "withdrawn")
 """R7.3: columns of the global state for each prey, by index."""
 
 
