@@ -341,11 +341,6 @@ class ArenaConfig:
         """R5.3: each seat's reach in whole micrometres."""
         return tuple(max(1, _micrometres(reach)) for reach in self.reaches)
 
-    @property
-    def reach_um(self) -> int:
-        """Longest reach of all seats in whole micrometres."""
-        return max(self.reaches_um)
-
     def _by_seat(self, value: float | tuple[float, ...]) -> tuple[float, ...]:
         return value if isinstance(value, tuple) else (value,) * self.hunters
 
