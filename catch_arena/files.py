@@ -84,44 +84,37 @@ def write_whole(path: Path, content: bytes, *, private: bool = False) -> None:
     Raises:
         OutputError: if it cannot be written.
     """
-    with whole_file(path, len(content), private=private) as file:
-        file.write(content)
+    with unfinished_file(path, size=len(content), private=private) as unfinished:
+        unfinished.write_bytes(content)
 
 
 @contextmanager
-def whole_file(path: Path, size: int | None = None, *, private: bool = False) -> Iterator[IO[bytes]]:
+def whole_file(path: Path) -> Iterator[IO[bytes]]:
     """Open a file under a temporary name, which is renamed when the block ends without an error.
-
-    Args:
-        path: the file to write.
-        size: the number of bytes that will be written, if known; used in errors.
-        private: see `write_whole`.
 
     Raises:
         OutputError: if it cannot be written.
     """
-    target = regular_file(path)
-    try:
-        with unfinished_file(target, private=private) as unfinished, unfinished.open("wb") as file:
-            yield file
-    except OSError as error:
-        raise unwritable(path, error, size) from None
+    with unfinished_file(path) as unfinished, unfinished.open("wb") as file:
+        yield file
 
 
 @contextmanager
-def unfinished_file(target: Path, *, ending: str = "", private: bool = False) -> Iterator[Path]:
-    """Create an empty file next to the target; it replaces the target at the end, or is removed after an error.
+def unfinished_file(path: Path, *, size: int | None = None, ending: str = "", private: bool = False) -> Iterator[Path]:
+    """Create an empty file next to a file; it replaces that file at the end, or is removed after an error.
 
     It has the permissions of the file that it replaces, or the umask's for a new file.
 
     Args:
-        target: the path of a regular file, existing or not.
-        ending: the end of the temporary name. The name has no part of the target's, which may be of maximal length.
+        path: the file to write.
+        size: the number of bytes that will be written, if known; used in errors.
+        ending: the end of the temporary name. The name has no part of the file's, which may be of maximal length.
         private: see `write_whole`.
 
     Raises:
-        OSError: if it cannot be created or renamed.
+        OutputError: if it cannot be created, written or renamed.
     """
+    target = regular_file(path)
     unfinished = target.with_name(f".catch-arena-{secrets.token_hex(4)}{ending}")
     replaced = target.exists()
     mode = 0o600 if private or replaced else 0o666
@@ -131,9 +124,11 @@ def unfinished_file(target: Path, *, ending: str = "", private: bool = False) ->
         if replaced and not private:
             shutil.copymode(target, unfinished)
         unfinished.replace(target)
-    except BaseException:
-        unfinished.unlink(missing_ok=True)
-        raise
+    except OSError as error:
+        raise unwritable(path, error, size) from None
+    finally:
+        with suppress(OSError):  # it has its name, or was not created
+            unfinished.unlink()
 
 
 def prepare_folder(folder: Path) -> Path:

@@ -13,7 +13,7 @@ from typing import Any, Final
 import numpy as np
 
 from catch_arena.errors import ConfigError, install_hint
-from catch_arena.files import regular_file, unfinished_file, unwritable
+from catch_arena.files import unfinished_file
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Pixels
 
@@ -226,19 +226,15 @@ def video_file(path: str | os.PathLike[str], size: tuple[int, int], fps: int) ->
     """
     path = Path(path)
     kind = format_of(path)
-    target = regular_file(path)
-    try:
-        with unfinished_file(target, ending=path.suffix) as unfinished:
-            video = (_GifFile if kind.name == "GIF" else VideoFile)(path, kind, unfinished, size, fps)
-            try:
-                yield video
-                video.finish()
-            except BaseException:
-                with suppress(OSError):  # a full disk fails again when its file is closed
-                    video.close()
-                raise
-    except OSError as error:
-        raise unwritable(path, error) from None
+    with unfinished_file(path, ending=path.suffix) as unfinished:
+        video = (_GifFile if kind.name == "GIF" else VideoFile)(path, kind, unfinished, size, fps)
+        try:
+            yield video
+            video.finish()
+        except BaseException:
+            with suppress(OSError):  # a full disk fails again when its file is closed
+                video.close()
+            raise
 
 
 def _pyav(kind: Format) -> Any:
