@@ -192,16 +192,16 @@ class ArenaService:
         return name
 
     def kill(self, name: str) -> bool:
-        """Remove a target uncaught; its name is unknown from then on. Return false if no such target is alive.
+        """Remove a target uncaught; its name is unknown from then on. Return false if no such target is alive, or
+        if prey plays it.
 
         Raises:
             EpisodeError: if no episode is running, or if it is recorded.
         """
         self._require_play("kill")
         numbers = {target.name: target.number for target in self.world.targets}
-        if not isinstance(name, str) or name not in numbers:
+        if not isinstance(name, str) or name not in numbers or not self._engine.kill(0, numbers[name]):
             return False
-        self._engine.kill(0, numbers[name])
         self._appeared.discard(name)
         self._publish(self.alive_turtles())
         return True

@@ -44,6 +44,22 @@ def test_r8_1_spawn_and_kill_by_name():
     assert service.world.spawned == 2
 
 
+@pytest.mark.rule("R8.1")
+def test_r8_1_a_target_that_prey_plays_is_not_killed_by_name():
+    """The service answers as for a name that is not alive; a request for it is judged as before."""
+    service = ArenaService("herd")
+    service.reset(seed=1)
+    published = []
+    service.subscribe(published.append)
+    played = [target.name for target in service.world.targets if target.prey]
+
+    assert not any(map(service.kill, played))
+    assert published == []
+    assert set(played) < {turtle.name for turtle in service.alive_turtles().turtles}
+    (ruling,) = service.step(requests=[("hunter_0", NAMED(played[0]))])
+    assert ruling.verdict is Verdict.OUT_OF_REACH
+
+
 @pytest.mark.rule("R8.1", "R2.5")
 def test_r8_1_twists_drive_within_the_limits():
     """A Twist is in m/s and rad/s; what exceeds the limits is limited; nothing that is not finite moves anybody."""
