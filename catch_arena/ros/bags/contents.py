@@ -3,12 +3,12 @@
 Times are milliseconds since the bag's first message.
 """
 
-import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from catch_arena.messages import Pose, Turtle
+from catch_arena.replay.motion import interpolate
 
 
 @dataclass(slots=True)
@@ -30,14 +30,7 @@ class Track:
         begin_ms, end_ms = self.times_ms[after - 1 : after + 1]
         start, stop = self.poses[after - 1 : after + 1]
         part = (time_ms - begin_ms) / (end_ms - begin_ms)
-        turn = math.remainder(stop.theta - start.theta, math.tau)
-        return Pose(
-            start.x + (stop.x - start.x) * part,
-            start.y + (stop.y - start.y) * part,
-            math.remainder(start.theta + turn * part, math.tau),
-            stop.linear_velocity,
-            stop.angular_velocity,
-        )
+        return Pose(*interpolate(start[:3], stop[:3], part), *stop[3:])
 
     @property
     def end_ms(self) -> float:

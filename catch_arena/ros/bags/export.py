@@ -1,21 +1,17 @@
 """Export of a recorded match as a bag, with the messages that a ROS 2 bus would have carried while it was played."""
 
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Final
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.replay import Replay
-from catch_arena.replay.motion import Pose2D, StepMotion, step_motion
+from catch_arena.replay.motion import Poses, poses_of, step_motion
 from catch_arena.ros.bags.files import BagWriter, Storage, whole_bag
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, RULINGS, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import RULING, Interfaces, RulingMessage
 from catch_arena.verdicts import Ruling
-from catch_arena.world import HunterState, World
-
-_MS: Final = 1_000_000
-"""Nanoseconds in a millisecond."""
+from catch_arena.world import HunterState, TargetState, World
 
 
 def export_bag(
@@ -48,8 +44,8 @@ def export_bag(
         match = _MatchWriter(bag, replay, interfaces)
         worlds = replay.worlds()
         before = next(worlds)
-        match.write_poses(0, before.hunters, [(hunter.x, hunter.y, hunter.theta) for hunter in before.hunters])
-        match.write_alive(0, before.alive_turtles.turtles)
+        match.write_poses(0, before.hunters, poses_of(before))
+        match.write_alive(0, before.targets, poses_of(before))
         for after in worlds:
             match.write_step(before, after)
             before = after
@@ -77,36 +73,31 @@ class _MatchWriter:
         for ruling in (*after.rulings, *self._replay.named_rulings(before, after)):
             self._write_ruling(before.time_ms, ruling)
         if {target.number for target in before.targets} - {target.number for target in after.targets}:
-            self._write_alive_at(before.time_ms, motion)
+            self.write_alive(before.time_ms, after.targets, motion.poses[0])
         first = before.time_ms // TICK_MS
         lists = {target.spawned_ms for target in after.targets if target.spawned_ms > before.time_ms}
         if self._replay.config.targets_move and after.targets:
             lists.add(after.time_ms)
         for time_ms in sorted({*lists, *range((first + 1) * TICK_MS, after.time_ms + 1, TICK_MS)}):
+            poses = motion.poses[min(time_ms // TICK_MS - first, len(motion.poses) - 1)]
             if time_ms % TICK_MS == 0:
-                poses = motion.poses[min(time_ms // TICK_MS - first, len(motion.poses) - 1)]
-                self.write_poses(time_ms, after.hunters, poses.hunters)
+                self.write_poses(time_ms, after.hunters, poses)
             if time_ms in lists:
-                self._write_alive_at(time_ms, motion)
+                self.write_alive(time_ms, after.targets, poses)
 
-    def write_poses(self, time_ms: int, hunters: Sequence[HunterState], poses: Sequence[Pose2D]) -> None:
+    def write_poses(self, time_ms: int, hunters: Sequence[HunterState], poses: Poses) -> None:
         """Write the pose of each hunter."""
-        for topic, hunter, pose in zip(self._poses, hunters, poses, strict=True):
-            self._bag.write(topic, time_ms * _MS, *pose, *hunter.pose[3:])
+        for topic, hunter, pose in zip(self._poses, hunters, poses.hunters, strict=True):
+            self._bag.write(topic, time_ms, *pose, *hunter.pose[3:])
 
-    def write_alive(self, time_ms: int, turtles: Iterable[tuple[str, float, float, float]]) -> None:
-        """Write the list of the targets that are alive: (name, x, y, theta)."""
-        self._bag.write(ALIVE_TURTLES, time_ms * _MS, [self._bag.make(self._turtle, *turtle) for turtle in turtles])
-
-    def _write_alive_at(self, time_ms: int, motion: StepMotion) -> None:
-        """R8.2: write the list of the targets at an instant of a step after its catches."""
-        tick = time_ms // TICK_MS - motion.before.time_ms // TICK_MS
-        poses = motion.poses[min(tick, len(motion.poses) - 1)].targets
-        alive = [target for target in motion.after.targets if target.spawned_ms <= time_ms]
-        self.write_alive(time_ms, [(target.name, *poses[target.number]) for target in alive])
+    def write_alive(self, time_ms: int, targets: Sequence[TargetState], poses: Poses) -> None:
+        """R8.2: write the list of the targets that have appeared."""
+        alive = [target for target in targets if target.spawned_ms <= time_ms]
+        turtles = [self._bag.make(self._turtle, target.name, *poses.targets[target.number]) for target in alive]
+        self._bag.write(ALIVE_TURTLES, time_ms, turtles)
 
     def _write_ruling(self, time_ms: int, ruling: Ruling) -> None:
         """Write a ruling; half of a surrogate pair in a name is no UTF-8, and is written as an escape."""
         if ruling.target is not None:
             ruling = replace(ruling, target=str(ruling.target).encode(errors="backslashreplace").decode())
-        self._bag.write(RULINGS, time_ms * _MS, *RulingMessage.of(ruling, time_ms, self._hunters))
+        self._bag.write(RULINGS, time_ms, *RulingMessage.of(ruling, time_ms, self._hunters))

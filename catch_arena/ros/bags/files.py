@@ -45,11 +45,11 @@ class BagWriter:
         """Return a message of a type that was announced, to stand in a field of another one."""
         return self._store.types[kind](*fields)
 
-    def write(self, topic: str, time_ns: int, *fields: Any) -> None:
+    def write(self, topic: str, time_ms: int, *fields: Any) -> None:
         """Write one message, given by the values of its fields."""
         connection = self._connections[topic]
         message = self.make(connection.msgtype, *fields)
-        self._writer.write(connection, time_ns, self._store.serialize_cdr(message, connection.msgtype))
+        self._writer.write(connection, time_ms * 1_000_000, self._store.serialize_cdr(message, connection.msgtype))
         self.messages += 1
 
 
