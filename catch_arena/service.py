@@ -28,7 +28,7 @@ class ArenaService:
     """One arena with names: `spawn`, `kill`, `alive_turtles`, `pose`, and `step`, which answers catch_turtle.
 
     The requests of one step are judged together, on the state before it (R5.1), in whatever order they come. The
-    arena's own arbiter judges them, with its faults and lots, and granted requests score.
+    arena's own arbiter judges them, with its faults and lots, and granted requests score. Prey stands still.
 
     Args:
         scenario: a scenario's name or a config; observations have every target within view.
@@ -284,8 +284,8 @@ class ArenaService:
         return table
 
     def _commands(self, cmd_vel: Mapping[str, Twist]) -> NDArray[np.float32]:
-        """Return Twists as fractions of the limits, (1, H, 2)."""
-        commands = np.zeros((1, self._config.hunters, 2), dtype=np.float32)
+        """Return Twists as fractions of the limits, (1, H + P, 2); those of prey, which has no Twists, are 0."""
+        commands = np.zeros((1, self._config.hunters + self._config.prey, 2), dtype=np.float32)
         for hunter, twist in cmd_vel.items():
             seat = self._seat(hunter)
             limits = self._config.max_speeds[seat], self._config.max_turn_rates[seat]

@@ -60,6 +60,18 @@ def test_r8_1_a_target_that_prey_plays_is_not_killed_by_name():
     assert ruling.verdict is Verdict.OUT_OF_REACH
 
 
+def test_prey_stands_still():
+    """It has no Twists, and the engine reads a command for each prey."""
+    service = ArenaService("herd", target_motion="still")
+    service.reset(seed=1)
+    places = [(target.x, target.y, target.theta) for target in service.world.targets if target.prey]
+    for _ in range(20):
+        service.step({"hunter_0": Twist(2.0, 4.0)})
+        played = [target for target in service.world.targets if target.prey]
+        assert [(target.x, target.y, target.theta) for target in played] == places
+        assert {(target.linear_velocity, target.angular_velocity) for target in played} == {(0.0, 0.0)}
+
+
 @pytest.mark.rule("R8.1", "R2.5")
 def test_r8_1_twists_drive_within_the_limits():
     """A Twist is in m/s and rad/s; what exceeds the limits is limited; nothing that is not finite moves anybody."""
