@@ -79,7 +79,7 @@ def serve(
     trust: Trust,
     record: Annotated[
         Path | None,
-        typer.Option(metavar="FILE", help="Save the replay to this file; /spawn, /kill and /reset then do nothing."),
+        typer.Option(metavar="FILE", help="Save the replay to this file; /spawn and /reset then do nothing."),
     ] = None,
     force: Force = False,
     settings: SettingOption = None,
