@@ -1,6 +1,5 @@
 """Calls of the code under test, and its answers, read and checked: every fault becomes a `Difference`."""
 
-import operator
 import signal
 import traceback
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -13,6 +12,7 @@ from typing import Any, Final
 
 from catch_arena.conformance.cases import ExpectedRuling
 from catch_arena.errors import reason
+from catch_arena.plain import whole_number
 from catch_arena.text import printable, shortened
 from catch_arena.verdicts import Ruling, Verdict
 
@@ -201,13 +201,8 @@ def _verdict(value: object) -> Verdict | None:
 
 
 def _whole(value: object) -> int | None:
-    if isinstance(value, bool):
-        return None
-    try:
-        number = operator.index(value)  # type: ignore[arg-type]
-    except TypeError:
-        return None
-    return number if abs(number) <= _LARGEST else None
+    number = whole_number(value)
+    return number if number is not None and abs(number) <= _LARGEST else None
 
 
 def _repeats(requested: object, target: object) -> bool:
