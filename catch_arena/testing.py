@@ -7,10 +7,10 @@ from collections.abc import Callable, Sequence
 from math import inf
 
 from catch_arena.conformance.adjudicator_calls import DiffersError, NoRuling, time_limit
-from catch_arena.conformance.arbiter_runner import Arbiter, ArbiterRunner
+from catch_arena.conformance.arbiter_runner import Arbiter, ArbiterRunner, with_any_lots
 from catch_arena.conformance.arena_runner import ArenaRunner, ArenaUnderTest, fits_into_an_arena
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase, load_cases
-from catch_arena.conformance.comparison import Strictness
+from catch_arena.conformance.comparison import Compared
 from catch_arena.conformance.diagnosis import Diagnosis
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, Result
@@ -51,13 +51,13 @@ def run_conformance(
         raise ConfigError("an arbiter or an arena must be given; in a command as module:function or path.py:function")
     if limit_s is not None and not 0 < limit_s < inf:
         raise ConfigError(f"limit_s must be a positive number of seconds, got {limit_s!r}")
-    strictness = Strictness(evidence=evidence, exact_lots=exact_lots)
+    compared: Compared = "evidence" if evidence else "verdicts"
     cases, results = select_cases(only), []
     for case in cases:
-        results.append(_run_case(case, adapter, arena, strictness, limit_s))
+        results.append(_run_case(case, adapter, arena, compared, limit_s, exact_lots=exact_lots))
         if progress is not None:
             progress(len(results), len(cases))
-    return Report(tuple(results), strictness)
+    return Report(tuple(results), compared)
 
 
 def select_cases(only: Sequence[str] = ()) -> tuple[ArbiterCase | ArenaCase, ...]:
@@ -83,15 +83,17 @@ def _run_case(
     case: ArbiterCase | ArenaCase,
     adapter: Arbiter | None,
     arena: ArenaUnderTest | None,
-    strictness: Strictness,
+    compared: Compared,
     limit_s: float | None,
+    *,
+    exact_lots: bool,
 ) -> Result:
     start = time.perf_counter()
     runners: list[ArbiterRunner | ArenaRunner] = []
     if adapter is not None and isinstance(case, ArbiterCase):
-        runners.append(ArbiterRunner(adapter, case, strictness))
+        runners.append(ArbiterRunner(adapter, case if exact_lots else with_any_lots(case), compared))
     if arena is not None and (isinstance(case, ArenaCase) or fits_into_an_arena(case)):
-        runners.append(ArenaRunner(arena, case, strictness))
+        runners.append(ArenaRunner(arena, case, compared))
     failure: Failure | None = None
     for runner in runners:
         try:

@@ -1,17 +1,15 @@
 """Play of a case on an arbiter: unchanged, and in every variant that must not change the answer."""
 
-import dataclasses
 import itertools
 import random
 from collections.abc import Callable, Iterator
-from functools import partial
 from typing import Final
 
 from msgspec.structs import replace
 
 from catch_arena.conformance.adjudicator_calls import Difference, DiffersError
 from catch_arena.conformance.cases import LOT, ArbiterCase, ExpectedRuling, Lot
-from catch_arena.conformance.comparison import Strictness, compare, request_rulings
+from catch_arena.conformance.comparison import Compared, compare, decide_lots, request_rulings
 from catch_arena.text import shortened
 from catch_arena.verdicts import Verdict
 
@@ -29,13 +27,19 @@ Variants = Iterator[tuple[str, ArbiterCase]]
 
 
 class ArbiterRunner:
-    """Plays one case on an arbiter."""
+    """Plays one case on an arbiter.
 
-    def __init__(self, arbiter: Arbiter, case: ArbiterCase, strictness: Strictness) -> None:
+    Args:
+        arbiter: the arbiter.
+        case: the case; a lot whose seat is known must draw it.
+        compared: the parts of the answers that are compared.
+    """
+
+    def __init__(self, arbiter: Arbiter, case: ArbiterCase, compared: Compared) -> None:
         self._arbiter = arbiter
         self._case = case
-        self._strictness = strictness
-        self._wrong_evidence: tuple[str, DiffersError] | None = None
+        self._compared = compared
+        self._wrong_evidence: tuple[str, list[Difference]] | None = None
         """The first variation in which only evidence is wrong: it must not hide a wrong verdict in a later one."""
         self.variation = ""
         """Description of the variant that is being played; "" for the unchanged case."""
@@ -48,8 +52,8 @@ class ArbiterRunner:
         """
         self._play(self._case)
         if self._wrong_evidence is not None:
-            self.variation, error = self._wrong_evidence
-            raise error
+            self.variation, differences = self._wrong_evidence
+            raise DiffersError(*differences)
 
     def _play(self, case: ArbiterCase) -> None:
         decided = _with_lots_decided(case, self._judge("", case))
@@ -64,22 +68,21 @@ class ArbiterRunner:
         self.variation = variation
         arguments = case.arguments()
         given = request_rulings(lambda: self._arbiter(**arguments), case.expected)
-        compared = partial(compare, given, case.expected, lots=case.lots, refused=case.kill_refused)
-        try:
-            return compared(strictness=self._strictness)
-        except DiffersError as error:
-            if any(difference.kind != "evidence" for difference in error.differences):
-                raise
-            self._wrong_evidence = self._wrong_evidence or (variation, error)
-        return compared(strictness=dataclasses.replace(self._strictness, evidence=False))
+        decided = decide_lots(given, case.expected, case.lots, case.kill_refused)
+        differences = compare(given, decided, self._compared)
+        if differences and all(difference.kind == "evidence" for difference in differences):
+            self._wrong_evidence = self._wrong_evidence or (variation, differences)
+            differences = compare(given, decided, "verdicts")
+        if differences:
+            raise DiffersError(*differences)
+        return decided
 
     def _require_fair_lots(self, case: ArbiterCase) -> None:
         """Check that in `fair_over_steps` steps, with another seed in each, every seat wins some lots."""
         steps = f"over {case.fair_over_steps} steps, each with another seed"
-        lots = tuple(replace(lot, drawn=None) for lot in case.lots)
         won: set[tuple[object, int | str | None]] = set()
         for later in range(case.fair_over_steps):
-            variant = replace(case, seed=case.seed + later, step=case.step + later, lots=lots)
+            variant = with_any_lots(replace(case, seed=case.seed + later, step=case.step + later))
             decided = self._judge(steps, variant)
             won |= {(ruling.target, ruling.winner) for ruling in decided}
             for variation, fewer in _without_loser(_with_lots_decided(variant, decided)):
@@ -94,6 +97,11 @@ class ArbiterRunner:
                         kind="winner",
                     )
                 )
+
+
+def with_any_lots(case: ArbiterCase) -> ArbiterCase:
+    """Return the case with lots that may draw any one of their seats."""
+    return replace(case, lots=tuple(replace(lot, drawn=None) for lot in case.lots))
 
 
 def _with_lots_decided(case: ArbiterCase, decided: tuple[ExpectedRuling, ...]) -> ArbiterCase:

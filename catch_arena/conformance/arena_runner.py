@@ -2,7 +2,6 @@
 
 import operator
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import replace as replace_field
 from typing import Any, Protocol
 
 from msgspec.structs import replace
@@ -10,7 +9,7 @@ from msgspec.structs import replace
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.conformance.adjudicator_calls import Difference, DiffersError, call_adjudicator
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase, CaseStep, ExpectedRuling, Lot
-from catch_arena.conformance.comparison import Strictness, compare, request_rulings
+from catch_arena.conformance.comparison import Compared, compare, decide_lots, request_rulings
 from catch_arena.text import shortened
 from catch_arena.verdicts import Verdict
 
@@ -89,11 +88,10 @@ def fits_into_an_arena(case: ArbiterCase) -> bool:
 class ArenaRunner:
     """Plays one case in an arena."""
 
-    def __init__(self, arena: ArenaUnderTest, case: ArbiterCase | ArenaCase, strictness: Strictness) -> None:
+    def __init__(self, arena: ArenaUnderTest, case: ArbiterCase | ArenaCase, compared: Compared) -> None:
         self._arena = arena
         self._case = case
-        # the arena chooses its own seed, so a case cannot know which seat a lot draws
-        self._strictness = replace_field(strictness, exact_lots=False)
+        self._compared = compared
         self.variation = ""
         """Description of the part of the case that is being played."""
 
@@ -133,7 +131,8 @@ class ArenaRunner:
         for seat in case.inactive:
             call_adjudicator("withdraw", self._arena.withdraw, seat)
         expected = tuple(replace(ruling, target=number_of[str(ruling.target)]) for ruling in case.expected)
-        lots = tuple(replace(lot, target=number_of[str(lot.target)]) for lot in case.lots)
+        # the arena chooses its own seed, so a case cannot know which seat a lot draws
+        lots = tuple(replace(lot, target=number_of[str(lot.target)], drawn=None) for lot in case.lots)
         decided = self._judge(expected, ({},), lots, refused)
         granted = [ruling for ruling in decided if ruling.verdict is Verdict.GRANTED]
         gone = {ruling.target for ruling in granted} - set(refused)
@@ -168,7 +167,10 @@ class ArenaRunner:
     ) -> tuple[ExpectedRuling, ...]:
         requests = [(ruling.hunter, operator.index(ruling.target)) for ruling in expected]
         given = request_rulings(lambda: self._arena.step(requests, *driven), expected)
-        return compare(given, expected, lots=lots, refused=refused, strictness=self._strictness)
+        decided = decide_lots(given, expected, lots, refused)
+        if differences := compare(given, decided, self._compared):
+            raise DiffersError(*differences)
+        return decided
 
     def _require_readings(self, expected: Mapping[str, Any]) -> None:
         found = self._arena.read() if expected else {}

@@ -9,7 +9,7 @@ from typing import Final
 import msgspec
 
 from catch_arena.conformance.adjudicator_calls import KINDS, OF_GRANTS, NoRuling
-from catch_arena.conformance.comparison import Strictness
+from catch_arena.conformance.comparison import Compared
 from catch_arena.conformance.results import Failure, Result
 from catch_arena.files import tomllib
 
@@ -36,14 +36,11 @@ class Mistake(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     evidence: Ids = {}
     """Cases that it fails, by the kind of failure (KINDS)."""
 
-    def kinds(self, strictness: Strictness) -> dict[str, str]:
+    def kinds(self, compared: Compared) -> dict[str, str]:
         """Return the kinds of its failures under a comparison: one of KINDS by the ids of cases."""
-        compared = OF_GRANTS if strictness.success_only else KINDS if strictness.evidence else KINDS[:-1]
+        found = {"evidence": KINDS, "verdicts": KINDS[:-1], "success": OF_GRANTS}[compared]
         return {
-            f"{group}.{name}": kind
-            for kind in compared
-            for group, names in getattr(self, kind).items()
-            for name in names
+            f"{group}.{name}": kind for kind in found for group, names in getattr(self, kind).items() for name in names
         }
 
 
@@ -68,7 +65,7 @@ class Diagnosis:
     """True if an arbiter with a known mistake fails these cases."""
 
 
-def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnosis, ...]:
+def diagnose(results: Sequence[Result], compared: Compared) -> tuple[Diagnosis, ...]:
     """Return diagnoses that contain each failure once: errors and unreadable answers, known mistakes, then clauses.
 
     In each of these three kinds, wrong grants come before wrong verdicts and those before wrong evidence, and then the
@@ -85,7 +82,7 @@ def diagnose(results: Sequence[Result], strictness: Strictness) -> tuple[Diagnos
             judged[id_] = failure
     unreadable = [Diagnosis(*kind, tuple(group)) for kind, group in groups.items()]
     passed = {result.case.id for result in results if result.played and result.failure is None}
-    known = _known(judged, passed, strictness)
+    known = _known(judged, passed, compared)
     explained = {failure.case.id for diagnosis in known for failure in diagnosis.failures}
     clauses: dict[str, list[Failure]] = {}
     for id_, failure in judged.items():
@@ -99,14 +96,14 @@ def _weakness_and_number(diagnosis: Diagnosis) -> tuple[int, int]:
     return min(_WEAKNESS[failure.kind] for failure in diagnosis.failures), -len(diagnosis.failures)
 
 
-def _known(failed: Mapping[str, Failure], passed: set[str], strictness: Strictness) -> list[Diagnosis]:
+def _known(failed: Mapping[str, Failure], passed: set[str], compared: Compared) -> list[Diagnosis]:
     """Return the mistakes that explain the most failures, less the cases that contradict them, one after the other.
 
     A case contradicts a mistake that fails it if it passed, or if it failed by a weaker kind of difference.
     """
     fitting = []
     for mistake in known_mistakes():
-        kinds = mistake.kinds(strictness)
+        kinds = mistake.kinds(compared)
         explained = {id_ for id_, kind in kinds.items() if id_ in failed and failed[id_].kind == kind}
         weaker = {id_ for id_, kind in kinds.items() if id_ in failed and _WEAKNESS[failed[id_].kind] > _WEAKNESS[kind]}
         contradicted = len(weaker) + len(kinds.keys() & passed)

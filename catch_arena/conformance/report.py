@@ -9,7 +9,7 @@ from typing import Final
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from catch_arena.conformance.adjudicator_calls import counted
-from catch_arena.conformance.comparison import Strictness
+from catch_arena.conformance.comparison import Compared
 from catch_arena.conformance.diagnosis import Diagnosis, diagnose
 from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
 from catch_arena.text import printable, printable_lines
@@ -26,7 +26,7 @@ class Report:
     """Results of all selected cases."""
 
     results: tuple[Result, ...]
-    strictness: Strictness
+    compared: Compared
     """The parts of the answers that were compared."""
 
     @property
@@ -42,7 +42,7 @@ class Report:
     @cached_property
     def diagnoses(self) -> tuple[Diagnosis, ...]:
         """The failures grouped by their causes; each failure is in one diagnosis."""
-        return diagnose(self.results, self.strictness)
+        return diagnose(self.results, self.compared)
 
     @property
     def summary(self) -> str:

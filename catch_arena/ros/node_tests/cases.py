@@ -11,9 +11,9 @@ from msgspec.structs import replace
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.adjudicator_calls import DiffersError, NoRuling, describe_request
+from catch_arena.conformance.adjudicator_calls import NoRuling, describe_request
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
-from catch_arena.conformance.comparison import REFUSED, Strictness, compare
+from catch_arena.conformance.comparison import REFUSED, compare
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, Result
 from catch_arena.errors import BusError
@@ -29,7 +29,6 @@ _OWN_NAME: Final = "hunter_0"
 """Name of the hunter in the cases."""
 _LONG: Final = 200
 """Length above which the length of a name may matter, so that it is kept [characters]."""
-_STRICTNESS: Final = Strictness(evidence=False, success_only=True)
 
 _Question = tuple[Mapping[str, Any], ExpectedRuling]
 """The arguments of `arbitrate` for one request, and the right answer."""
@@ -57,7 +56,7 @@ def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -
     Raises:
         BusError: if no node answers over this bus.
     """
-    return Report(tuple(_result(node, case) for case in cases), _STRICTNESS)
+    return Report(tuple(_result(node, case) for case in cases), "success")
 
 
 def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
@@ -89,10 +88,8 @@ def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float) -> Failure | 
             silence = NoRuling(describe_request(1, expected), "an answer", none_s, "no answer comes")
             return Failure(case, "", (silence,))
         ruling = Ruling(Verdict.GRANTED if success else REFUSED, 0, name)
-        try:
-            compare([ruling], [expected], lots=(), refused=(), strictness=_STRICTNESS)
-        except DiffersError as error:
-            return Failure(case, "", error.differences)
+        if differences := compare([ruling], [expected], "success"):
+            return Failure(case, "", tuple(differences))
     return None
 
 
