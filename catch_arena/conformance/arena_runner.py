@@ -155,7 +155,8 @@ class ArenaRunner:
         for _ in range(step.steps):
             call_adjudicator("step", self._arena.step, [], {}, *([{}] if has_prey else []))
         if step.expected is not None:
-            self._judge(step.expected, (step.drive, step.drive_prey) if has_prey else (step.drive,))
+            hunters, prey = ({one: (v, w) for one, v, w in commands} for commands in (step.drive, step.drive_prey))
+            self._judge(step.expected, (hunters, prey) if has_prey else (hunters,))
         call_adjudicator("read", self._require_readings, step.read)
 
     def _judge(

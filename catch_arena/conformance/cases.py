@@ -158,24 +158,14 @@ class CaseStep(_Table, frozen=True, kw_only=True):
     """Index of the prey to withdraw."""
     steps: Whole = 0
     """Number of steps without commands and requests."""
-    driven: tuple[tuple[Whole, float, float], ...] = field(name="drive", default=())
+    drive: tuple[tuple[Whole, float, float], ...] = ()
     """Commands (seat, v [m/s], w [rad/s]) in the step of the requests; hunters without one stand still."""
-    driven_prey: tuple[tuple[Whole, float, float], ...] = field(name="drive_prey", default=())
+    drive_prey: tuple[tuple[Whole, float, float], ...] = ()
     """Commands (index, v [m/s], w [rad/s]) of prey in the step of the requests; prey without one stands still."""
     expected: tuple[RulingByNumber, ...] | None = field(name="requests", default=None)
     """The requests of one more step, with their rulings: empty for a step without requests, None for no step."""
     read: dict[str, Any] = {}
     """The expected state of the arena after the step, by the keys of `ArenaUnderTest.read`."""
-
-    @property
-    def drive(self) -> dict[int, tuple[float, float]]:
-        """Velocities (v [m/s], w [rad/s]) by seat."""
-        return {seat: (v, w) for seat, v, w in self.driven}
-
-    @property
-    def drive_prey(self) -> dict[int, tuple[float, float]]:
-        """Velocities (v [m/s], w [rad/s]) by the prey's index."""
-        return {index: (v, w) for index, v, w in self.driven_prey}
 
 
 class ArenaCase(Case, frozen=True, kw_only=True):

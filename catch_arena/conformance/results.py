@@ -119,8 +119,8 @@ def _case_step(step: CaseStep) -> str:
     if step.steps:
         events.append("a step without requests" if step.steps == 1 else f"{step.steps} steps without requests")
     if step.expected is not None:
-        events += [f"hunter {seat} driven by {velocities}" for seat, velocities in step.drive.items()]
-        events += [f"prey {index} driven by {velocities}" for index, velocities in step.drive_prey.items()]
+        events += [f"hunter {seat} driven by {(v, w)}" for seat, v, w in step.drive]
+        events += [f"prey {index} driven by {(v, w)}" for index, v, w in step.drive_prey]
         events.append(f"a step in which {_requests(step.expected)}" if step.expected else "a step without requests")
     return "; ".join(events) or "only the state is read"
 
