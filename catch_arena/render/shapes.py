@@ -1,9 +1,8 @@
 """Shapes that describe a frame, in pixels with y down, which raster.py draws; and the outlines of a turtle."""
 
 import math
-from dataclasses import dataclass
 from functools import lru_cache
-from typing import Final, Literal
+from typing import Final, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,8 +14,7 @@ WHITE: Final[Color] = (255, 255, 255)
 INK: Final[Color] = (14, 18, 44)
 
 
-@dataclass(frozen=True, slots=True)
-class Ring:
+class Ring(NamedTuple):
     """Line of a circle [pixels], with a veil of the same colour inside; `glow` softens the line outwards."""
 
     x: float
@@ -31,8 +29,7 @@ class Ring:
     """Number of arcs that make up the line."""
 
 
-@dataclass(frozen=True, slots=True)
-class Sector:
+class Sector(NamedTuple):
     """A part of a disc [pixels], translucent, with a soft edge, and nothing of it outside a rectangle."""
 
     x: float
@@ -50,8 +47,7 @@ class Sector:
     """Rectangle that cuts it off: left, top, right, bottom [pixels]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Stroke:
+class Stroke(NamedTuple):
     """A straight line with round ends, opaque."""
 
     x0: float
@@ -62,8 +58,7 @@ class Stroke:
     color: Color
 
 
-@dataclass(frozen=True, slots=True)
-class Path:
+class Path(NamedTuple):
     """A line through points, opaque."""
 
     points: tuple[tuple[float, float], ...]
@@ -71,16 +66,14 @@ class Path:
     color: Color
 
 
-@dataclass(frozen=True, slots=True)
-class Polygon:
+class Polygon(NamedTuple):
     """A filled area, opaque."""
 
     points: tuple[tuple[float, float], ...]
     color: Color
 
 
-@dataclass(frozen=True, slots=True)
-class Box:
+class Box(NamedTuple):
     """A filled rectangle with round corners, opaque."""
 
     left: float
@@ -91,8 +84,7 @@ class Box:
     radius: float = 0.0
 
 
-@dataclass(frozen=True, slots=True)
-class Turtle:
+class Turtle(NamedTuple):
     """A turtle from above; `theta` is counter-clockwise on the screen."""
 
     x: float
@@ -105,8 +97,7 @@ class Turtle:
     """Darkness of its darker parts, in [0, 1]."""
 
 
-@dataclass(frozen=True, slots=True)
-class Label:
+class Label(NamedTuple):
     """One line of text; `y` is the middle of its capitals. Text wider than `max_width` ends in an ellipsis."""
 
     x: float

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from catch_arena.render import text
 from catch_arena.render.optional_imports import cv2, pygame
-from catch_arena.render.shapes import INK, TURTLE_PARTS, Color, Label, Points, Ring, Turtle, ellipse, mix
+from catch_arena.render.shapes import INK, TURTLE_PARTS, Label, Points, Ring, Turtle, ellipse, mix
 
 PHASES: Final = 2
 """Number of positions within a pixel, per axis, for which a sprite is drawn."""
@@ -33,8 +33,7 @@ def turtle_sprite(shape: Turtle) -> tuple[Sprite, int, int]:
     x, y, rest_x, rest_y = _place(shape.x, shape.y, PHASES if shape.length < 64 else 1)
     turns = max(64, min(192, 8 * round(0.3 * shape.length)))
     theta = 2.0 * math.pi * (round(shape.theta * turns / (2.0 * math.pi)) % turns) / turns
-    length = round(shape.length)
-    return _turtle(rest_x, rest_y, theta, length, shape.color, shape.faded, shape.contrast), x, y
+    return _turtle(shape._replace(x=rest_x, y=rest_y, theta=theta, length=round(shape.length))), x, y
 
 
 def ring_sprite(shape: Ring) -> tuple[Sprite, int, int]:
@@ -42,7 +41,8 @@ def ring_sprite(shape: Ring) -> tuple[Sprite, int, int]:
     x, y, rest_x, rest_y = _place(shape.x, shape.y)
     radius, width = round(2.0 * shape.radius) / 2.0, round(4.0 * shape.width) / 4.0
     opacity, veil = round(shape.opacity * 24) / 24, round(shape.veil * 50) / 50
-    return _ring(rest_x, rest_y, radius, width, shape.color, opacity, veil, shape.glow, shape.pieces), x, y
+    rounded = shape._replace(x=rest_x, y=rest_y, radius=radius, width=width, opacity=opacity, veil=veil)
+    return _ring(rounded), x, y
 
 
 def label_sprite(shape: Label) -> tuple[Sprite, int, int]:
@@ -53,7 +53,8 @@ def label_sprite(shape: Label) -> tuple[Sprite, int, int]:
     baseline = shape.y + text.MIDDLE * shape.size
     x, y, rest_x, rest_y = _place(left, baseline, 1 if shape.outline is None else PHASES)
     opacity = round(shape.opacity * 8) / 8
-    return _label(rest_x, rest_y, shown, shape.size, shape.color, shape.weight, shape.outline, opacity), x, y
+    rounded = shape._replace(x=rest_x, y=rest_y, text=shown, align="left", opacity=opacity, max_width=math.inf)
+    return _label(rounded), x, y
 
 
 def _place(x: float, y: float, phases: int = PHASES) -> tuple[int, int, float, float]:
@@ -114,15 +115,15 @@ def _turtle_inks(x: float, y: float, theta: float, length: int) -> NDArray[np.ui
 
 
 @lru_cache(maxsize=2048)
-def _turtle(x: float, y: float, theta: float, length: int, color: Color, faded: bool, contrast: float) -> Sprite:
+def _turtle(shape: Turtle) -> Sprite:
     """Return the sprite of a turtle; one matrix colours every channel, a sum of the inks."""
-    inks = _turtle_inks(x, y, theta, length)
-    tint = mix(color, INK, 0.5) if faded else color
-    kept = 0.55 if faded else 1.0
+    inks = _turtle_inks(shape.x, shape.y, shape.theta, round(shape.length))
+    tint = mix(shape.color, INK, 0.5) if shape.faded else shape.color
+    kept = 0.55 if shape.faded else 1.0
     # less contrast lightens the parts that are neither its own colour nor white
-    lit = [own * (1.0 - contrast) / 255.0 for own in tint]
+    lit = [own * (1.0 - shape.contrast) / 255.0 for own in tint]
     matrix = [
-        (own * contrast / 255.0, 1.0 - light, light, ink / 255.0)
+        (own * shape.contrast / 255.0, 1.0 - light, light, ink / 255.0)
         for own, light, ink in zip(tint, lit, INK, strict=True)
     ]
     matrix.append((0.0, 0.0, 1.0, 1.0))
@@ -137,9 +138,8 @@ _WIDEST_GAP: Final = 3.0
 
 
 @lru_cache(maxsize=512)
-def _ring(
-    x: float, y: float, radius: float, width: float, color: Color, opacity: float, veil: float, glow: bool, pieces: int
-) -> Sprite:
+def _ring(shape: Ring) -> Sprite:
+    x, y, radius, width, color, opacity, veil, glow, pieces = shape
     reach = radius + (2.5 * width if glow else 0.5 * width) + 2.0
     half = math.ceil(reach)
     position = np.arange(2 * half, dtype=np.float32) + 0.5 - half
@@ -159,20 +159,19 @@ def _ring(
 
 
 @lru_cache(maxsize=384)
-def _label(
-    x: float, y: float, shown: str, size: int, color: Color, weight: int, outline: Color | None, opacity: float
-) -> Sprite:
-    fill = np.array([*color, 255.0], dtype=np.float32)
+def _label(shape: Label) -> Sprite:
+    size = shape.size
+    fill = np.array([*shape.color, 255.0], dtype=np.float32)
     baseline = round(text.BASELINE * size)
-    if outline is None:
-        ink = text.coverage(shown, size, weight).astype(np.float32) / 255.0
-        return _sprite(ink[..., None] * fill * opacity, size, baseline)
+    if shape.outline is None:
+        ink = text.coverage(shape.text, size, shape.weight).astype(np.float32) / 255.0
+        return _sprite(ink[..., None] * fill * shape.opacity, size, baseline)
     fine = 4
-    large = text.coverage(shown, size * fine, weight)
+    large = text.coverage(shape.text, size * fine, shape.weight)
     rows, columns = -(-large.shape[0] // fine) + 2, -(-large.shape[1] // fine) + 2
     room = np.zeros((rows * fine, columns * fine), dtype=np.uint8)
     down = baseline * fine - round(text.BASELINE * size * fine)
-    top, left = max(0, down + round(fine * y)), round(fine * x)
+    top, left = max(0, down + round(fine * shape.y)), round(fine * shape.x)
     room[top : top + large.shape[0], left : left + large.shape[1]] = large
     thick = max(1.0, 0.11 * size) * fine
     brush = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * round(thick) + 1, 2 * round(thick) + 1))
@@ -181,5 +180,5 @@ def _label(
         cv2.resize(layer, (columns, rows), interpolation=cv2.INTER_AREA).astype(np.float32)[..., None] / 255.0
         for layer in (room, around)
     )
-    rim = np.array([*outline, 255.0], dtype=np.float32)
-    return _sprite((ink * fill + np.maximum(edge - ink, 0.0) * 0.92 * rim) * opacity, size, baseline)
+    rim = np.array([*shape.outline, 255.0], dtype=np.float32)
+    return _sprite((ink * fill + np.maximum(edge - ink, 0.0) * 0.92 * rim) * shape.opacity, size, baseline)
