@@ -10,11 +10,11 @@ from typing import Final, NamedTuple
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.render import hud
 from catch_arena.render.encoders import Progress, format_of
-from catch_arena.render.match_info import MatchInfo
+from catch_arena.render.match_info import Contender, MatchInfo
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
-from catch_arena.render.shapes import Label
+from catch_arena.render.shapes import Label, Shape
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
@@ -124,74 +124,50 @@ def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:
 
 def _pictures(replays: Mapping[str, Replay], grid: Grid, size: tuple[int, int], whole: Clip) -> Iterator[Pixels]:
     frame = Canvas.blank(*size, hud.PANEL)
-    cells = []
-    for area, (name, replay) in zip(grid.cells(len(replays)), replays.items(), strict=True):
-        label = round(_LABEL * area.width)
-        picture = area._replace(height=area.height - label)
-        renderer = MatchRenderer(MatchInfo.of_replay(replay), picture[2:], "arena")
-        clip = Clip(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
-        below = area._replace(top=area.top + area.height - label, height=label)
-        cells.append(_Cell(name, renderer, rendered_frames(replay, renderer, clip), frame, picture, below))
+    areas = grid.cells(len(replays))
+    cells = [_play(*match, frame, area, whole) for match, area in zip(replays.items(), areas, strict=True)]
     for _ in range(whole.frames):
         for cell in cells:
-            cell.advance()
+            next(cell, None)
         yield frame.pixels
 
 
-class _Cell:
-    """One match in its part of the picture; the text below names the match and its leader."""
+def _play(name: str, replay: Replay, frame: Canvas, area: hud.Rect, whole: Clip) -> Iterator[None]:
+    """Draw a match into its cell, frame by frame, and at last its result; the text below names match and leader."""
+    height = round(_LABEL * area.width)
+    cell = area._replace(height=area.height - height)
+    below = area._replace(top=cell.top + cell.height, height=height)
+    picture = frame.part(cell)
+    renderer = MatchRenderer(MatchInfo.of_replay(replay), cell[2:], "arena")
+    contenders = renderer.info.contenders
+    leader: int | None = None
+    frame.draw(_label_shapes(below, name, None))
+    clip = Clip(0, _end_ms(replay, whole.fps, whole.speed), whole.fps, whole.speed)
+    try:
+        for pixels in rendered_frames(replay, renderer, clip):
+            picture.pixels[:] = pixels
+            if renderer.leader != leader:
+                leader = renderer.leader
+                frame.clear(below, hud.PANEL)
+                frame.draw(_label_shapes(below, name, None if leader is None else contenders[leader]))
+            yield
+        result = "a tie" if leader is None else f"{contenders[leader].name} wins"
+    except ReplayError:
+        result, leader = "replay differs", None
+    color = hud.BRIGHT if leader is None else hud.legible(contenders[leader].color)
+    arena = picture.part(renderer.arena)
+    arena.pixels[:] = cv2.convertScaleAbs(arena.pixels, alpha=0.45)
+    _, _, wide, high = renderer.arena
+    size = hud.font_size(0.085 * wide, 11)
+    middle = (0.5 * wide, 0.5 * high)
+    arena.draw([Label(*middle, result, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * wide)])
 
-    def __init__(
-        self,
-        name: str,
-        renderer: MatchRenderer,
-        frames: Iterator[Pixels],
-        frame: Canvas,
-        picture: hud.Rect,
-        label: hud.Rect,
-    ) -> None:
-        self._name, self._renderer, self._frames = name, renderer, frames
-        self._frame, self._picture, self._label = frame, frame.part(picture), label
-        self._running = True
-        self._write(None)
-        self._leader: int | None = None
 
-    def advance(self) -> None:
-        """Draw the next frame, or the result if the match has ended."""
-        if not self._running:
-            return
-        try:
-            pixels = next(self._frames, None)
-        except ReplayError:
-            self._end("replay differs", None)
-            return
-        leader, contenders = self._renderer.leader, self._renderer.info.contenders
-        if pixels is None:
-            self._end("a tie" if leader is None else f"{contenders[leader].name} wins", leader)
-            return
-        self._picture.pixels[:] = pixels
-        if leader != self._leader:
-            self._leader = leader
-            self._write(leader)
-
-    def _end(self, text: str, contender: int | None) -> None:
-        """Darken the last picture and write the result on it."""
-        self._running = False
-        arena = self._picture.part(self._renderer.arena)
-        height, width = arena.pixels.shape[:2]
-        arena.pixels[:] = cv2.convertScaleAbs(arena.pixels, alpha=0.45)
-        size = hud.font_size(0.085 * width, 11)
-        color = hud.BRIGHT if contender is None else hud.legible(self._renderer.info.contenders[contender].color)
-        middle = (0.5 * width, 0.5 * height)
-        arena.draw([Label(*middle, text, size, color, 800, "center", outline=hud.PANEL, max_width=0.94 * width)])
-
-    def _write(self, leader: int | None) -> None:
-        area = self._label
-        size = hud.font_size(0.58 * area.height, 9)
-        middle = area.top + 0.5 * area.height
-        self._frame.clear(area, hud.PANEL)
-        self._frame.draw([Label(area.left + 2, middle, self._name, size, hud.DIM, 500, max_width=0.52 * area.width)])
-        if leader is not None:
-            contender, right = self._renderer.info.contenders[leader], area.left + area.width - 2
-            color, room = hud.legible(contender.color), 0.44 * area.width
-            self._frame.draw([Label(right, middle, contender.name, size, color, 700, "right", max_width=room)])
+def _label_shapes(area: hud.Rect, name: str, leader: Contender | None) -> list[Shape]:
+    """Return the text below a cell: the match's name at the left, and its leader at the right."""
+    size, middle = hud.font_size(0.58 * area.height, 9), area.top + 0.5 * area.height
+    shapes: list[Shape] = [Label(area.left + 2, middle, name, size, hud.DIM, 500, max_width=0.52 * area.width)]
+    if leader is not None:
+        right, color, room = area.left + area.width - 2, hud.legible(leader.color), 0.44 * area.width
+        shapes.append(Label(right, middle, leader.name, size, color, 700, "right", max_width=room))
+    return shapes
