@@ -27,133 +27,59 @@ class ActionReader:
         """Ranks, as `Engine.step` takes them: (1, H)."""
         self.commands = np.zeros((1, len(agents), 2), dtype=np.float32)
         """Velocities, as `Engine.step` takes them: (1, N, 2)."""
-        self.rows = {agent: row for row, agent in enumerate(agents)}
-        """Each agent's row in the engine's arrays."""
         prey_drives: tuple[Control] = ("velocity",)
-        self.controls = config.controls + prey_drives * config.prey
-        """Control of each agent, by row; prey has velocity control."""
+        controls = config.controls + prey_drives * config.prey
+        self.seats = dict(zip(agents, enumerate(controls), strict=True))
+        """Row in the engine's arrays and control of each agent; prey has velocity control."""
         self._ranks = config.targets_seen
-        self.set_agents(agents)
 
-    def set_agents(self, agents: Sequence[str]) -> None:
-        """Set the agents that `read` expects; the actions of all others are none from now on."""
-        rows = self.rows
-        self._agents = [(agent, rows[agent], self.controls[rows[agent]]) for agent in agents]
-        if len(agents) < len(rows):
-            for absent in rows.keys() - agents:
-                self.commands[0, rows[absent]] = 0.0
-                self.choices[0, rows[absent] : rows[absent] + 1] = 0  # prey has no choice
-
-    def copy(self) -> "ActionReader":
-        """Return an independent copy."""
-        twin = object.__new__(ActionReader)
-        twin.__dict__ = {**self.__dict__, "choices": self.choices.copy(), "commands": self.commands.copy()}
-        return twin
-
-    def row(self, agent: str) -> int:
-        """Return that agent's row in the engine's arrays.
+    def seat(self, agent: str) -> tuple[int, Control]:
+        """Return that agent's row in the engine's arrays, and its control.
 
         Raises:
             ActionError: for an unknown agent.
         """
-        row = self.rows.get(agent) if isinstance(agent, str) else None
-        if row is None:
+        seat = self.seats.get(agent) if isinstance(agent, str) else None
+        if seat is None:
             shown = shortened(agent)
-            near = suggest(agent if isinstance(agent, str) else shown, list(self.rows))
+            near = suggest(agent if isinstance(agent, str) else shown, list(self.seats))
             raise ActionError(f"unknown agent {shown}: {near}")
-        return row
+        return seat
 
-    def read(self, actions: Mapping[str, Any]) -> None:
-        """Write the agents' actions into `choices` and `commands`.
+    def read(self, agents: Sequence[str], actions: Mapping[str, Any]) -> None:
+        """Write the actions of these agents into `choices` and `commands`; all others hold.
 
         Raises:
             ActionError: for an action that is missing or not legal, and an unknown agent.
         """
         if type(actions) is not dict and not isinstance(actions, Mapping):  # isinstance is slower
             raise ActionError(f"actions must map each agent to its action, got {shortened(actions)}")
-        if len(actions) != len(self._agents):
-            self._require_complete(actions)
-        choices, commands, ranks = self.choices[0], self.commands, self._ranks
-        try:
-            for agent, row, control in self._agents:
+        if len(actions) != len(agents):
+            self._require_complete(agents, actions)
+        choices, commands, seats, ranks = self.choices[0], self.commands, self.seats, self._ranks
+        if len(agents) < len(seats):
+            choices.fill(0)
+            commands.fill(0.0)
+        for agent in agents:
+            row, control = seats[agent]
+            try:
                 action = actions[agent]
-                if control == "target":
-                    legal = type(action) is int and 0 <= action <= ranks  # the usual case without another call
-                    choices[row] = action if legal else checked_choice(agent, "an action", action, ranks)
-                elif control == "velocity":
-                    commands[0, row, 0], commands[0, row, 1] = checked_command(agent, "an action", action, clip=True)
-                else:
-                    choices[row], command = checked_full(agent, action, ranks, clip=True)
-                    commands[0, row, 0], commands[0, row, 1] = command
-        except KeyError:
-            self._require_complete(actions)
-            raise  # a KeyError of the action itself
+            except KeyError:
+                self._require_complete(agents, actions)
+                raise
+            if control == "target" and type(action) is int and 0 <= action <= ranks:
+                choices[row] = action  # the usual case without another call
+                continue
+            rank, (commands[0, row, 0], commands[0, row, 1]) = checked_action(control, agent, action, ranks, clip=True)
+            if control != "velocity":
+                choices[row] = rank
 
-    def _require_complete(self, actions: Mapping[str, Any]) -> None:
-        """Check that each of the agents has an action, and that others are only of agents that have left."""
+    def _require_complete(self, agents: Sequence[str], actions: Mapping[str, Any]) -> None:
         for agent in actions:
-            self.row(agent)
-        missing = [agent for agent, _, _ in self._agents if agent not in actions]
+            self.seat(agent)
+        missing = [agent for agent in agents if agent not in actions]
         if missing:
             raise ActionError(f"actions must have an action for each agent, got none for {', '.join(missing)}")
-
-    def require_legal(self, agent: str, action: object) -> None:
-        """Raise the ActionError that `read` would raise for that action."""
-        checked_action(self.controls[self.row(agent)], agent, action, self._ranks, clip=True)
-
-
-def checked_choice(agent: str, subject: str, action: Any, ranks: int) -> int:
-    """Return an action as a rank from 0 to `ranks`.
-
-    Raises:
-        ActionError: for an action that is not legal.
-    """
-    usual = type(action) is int or type(action) is np.int64  # faster than whole_number
-    number = int(action) if usual else whole_number(plain_action(action))
-    if number is None or not 0 <= number <= ranks:
-        raise ActionError(f"{agent}: {subject} must be a whole number from 0 to {ranks}, got {shortened(action)}")
-    return number
-
-
-def checked_command(agent: str, subject: str, action: Any, *, clip: bool = False) -> tuple[float, float]:
-    """Return an action as two numbers in [-1, 1].
-
-    Args:
-        agent: name of the agent in the error.
-        subject: the action's name in the error.
-        action: two numbers, as a list, a tuple, an array or a tensor.
-        clip: whether finite numbers out of bounds are replaced by the nearest bound.
-
-    Raises:
-        ActionError: for an action that is not legal.
-    """
-    pair = action.tolist() if isinstance(action, np.ndarray) else action
-    if not isinstance(pair, (list, tuple)):
-        pair = plain_action(pair)
-    if isinstance(pair, (list, tuple)) and len(pair) == 2:
-        speed, turn_rate = pair
-        if type(speed) is not float or type(turn_rate) is not float:
-            speed, turn_rate = real_number(as_python(speed)), real_number(as_python(turn_rate))
-        if speed is not None and turn_rate is not None:
-            if -1.0 <= speed <= 1.0 and -1.0 <= turn_rate <= 1.0:  # false for NaN too
-                return speed, turn_rate
-            if clip and -math.inf < speed < math.inf and -math.inf < turn_rate < math.inf:
-                return min(max(speed, -1.0), 1.0), min(max(turn_rate, -1.0), 1.0)
-    requirement = "two finite numbers" if clip else "two numbers in [-1, 1]"
-    raise ActionError(f"{agent}: {subject} must be {requirement}, got {shortened(action)}")
-
-
-def checked_full(agent: str, action: Any, ranks: int, *, clip: bool = False) -> tuple[int, tuple[float, float]]:
-    """Return the rank and the two velocities of {"cmd_vel": two numbers in [-1, 1], "catch": a rank}.
-
-    Raises:
-        ActionError: for an action that is not legal.
-    """
-    named = type(action) is dict or isinstance(action, Mapping)
-    if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
-        raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {shortened(action)}")
-    choice = checked_choice(agent, "catch", action["catch"], ranks)
-    return choice, checked_command(agent, "cmd_vel", action["cmd_vel"], clip=clip)
 
 
 def checked_action(
@@ -171,11 +97,40 @@ def checked_action(
     Raises:
         ActionError: for an action that is not legal.
     """
-    if control == "full":
-        return checked_full(agent, action, ranks, clip=clip)
     if control == "velocity":
-        return 0, checked_command(agent, "an action", action, clip=clip)
-    return checked_choice(agent, "an action", action, ranks), (0.0, 0.0)
+        return 0, _checked_command(agent, "an action", action, clip=clip)
+    if control == "target":
+        return _checked_rank(agent, "an action", action, ranks), (0.0, 0.0)
+    named = type(action) is dict or isinstance(action, Mapping)
+    if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
+        raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {shortened(action)}")
+    rank = _checked_rank(agent, "catch", action["catch"], ranks)
+    return rank, _checked_command(agent, "cmd_vel", action["cmd_vel"], clip=clip)
+
+
+def _checked_rank(agent: str, subject: str, action: Any, ranks: int) -> int:
+    usual = type(action) is int or type(action) is np.int64  # faster than whole_number
+    number = int(action) if usual else whole_number(plain_action(action))
+    if number is None or not 0 <= number <= ranks:
+        raise ActionError(f"{agent}: {subject} must be a whole number from 0 to {ranks}, got {shortened(action)}")
+    return number
+
+
+def _checked_command(agent: str, subject: str, action: Any, *, clip: bool) -> tuple[float, float]:
+    pair = action.tolist() if isinstance(action, np.ndarray) else action
+    if not isinstance(pair, (list, tuple)):
+        pair = plain_action(pair)
+    if isinstance(pair, (list, tuple)) and len(pair) == 2:
+        speed, turn_rate = pair
+        if type(speed) is not float or type(turn_rate) is not float:
+            speed, turn_rate = real_number(as_python(speed)), real_number(as_python(turn_rate))
+        if speed is not None and turn_rate is not None:
+            if -1.0 <= speed <= 1.0 and -1.0 <= turn_rate <= 1.0:  # false for NaN too
+                return speed, turn_rate
+            if clip and -math.inf < speed < math.inf and -math.inf < turn_rate < math.inf:
+                return min(max(speed, -1.0), 1.0), min(max(turn_rate, -1.0), 1.0)
+    requirement = "two finite numbers" if clip else "two numbers in [-1, 1]"
+    raise ActionError(f"{agent}: {subject} must be {requirement}, got {shortened(action)}")
 
 
 def action_array(subject: str, given: Any, shape: tuple[int, ...], *, whole: bool = False) -> NDArray[Any]:

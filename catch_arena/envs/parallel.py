@@ -17,11 +17,11 @@ from catch_arena.config import RULESET, ArenaConfig, require_choice, require_opt
 from catch_arena.core import state
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.episode_seeds import episode_seed
-from catch_arena.envs.actions import ActionReader
+from catch_arena.envs.actions import ActionReader, checked_action
 from catch_arena.envs.agent_names import checked_agent_names
 from catch_arena.envs.display import RENDER_MODES, Display, notebook_html
 from catch_arena.envs.global_state import state_vector
-from catch_arena.envs.results import Infos, Results
+from catch_arena.envs.results import Infos, Results, of_agents
 from catch_arena.envs.spaces import action_space, observation_space, vector_space
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError, EpisodeError, require_type
@@ -45,9 +45,8 @@ class SavedEpisode(EqualByBits):
     seed: int | None
     possible_agents: tuple[str, ...]
     agents: tuple[str, ...]
-    over: bool
-    leaving: frozenset[str]
-    cut: tuple[str, ...]
+    withdrawn: frozenset[str]
+    truncated: tuple[str, ...]
     np_random: Any
     """State of the random generator; None if nothing has drawn from it."""
     replay: Replay | None
@@ -132,47 +131,21 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.possible_agents = checked_agent_names(agent_names, [*config.hunter_names, *config.prey_names])
         self.agents: list[str] = []
         self.max_cycles = config.max_steps
-        self._all_false: dict[str, bool] = {}
-        """False for each of `agents`. A copy of it takes less than half the time of making another dict."""
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
         leaves = [hunters_leave] * config.hunters + [config.prey_returns_s is None] * config.prey
         self._leaving_rows = [row for row, agent_leaves in enumerate(leaves) if agent_leaves]
         """Rows of the agents that leave when they are no longer active."""
         self._seed: int | None = None
         self._np_random: np.random.Generator | None = None
-        self._is_over = True
-        self._leaving: set[str] = set()
-        """Agents that leave at the end of the next step, and those that have left."""
+        self._withdrawn: set[str] = set()
+        """Agents that `withdraw` has named in this episode."""
         self._truncated: tuple[str, ...] = ()
         """Agents whose infos have `TimeLimit.truncated` True."""
-        self._infos = infos
         self._engine = Engine(config)
+        self._results = Results(self._engine, self.possible_agents, infos)
         self._actions = ActionReader(config, self.possible_agents)
-        self._results = self._make_results()
         self._display = Display(config, render_mode)
         self._recorder = Recorder(config)
-
-    def _make_results(self) -> Results:
-        return Results(self.config, self._engine, self._actions.rows, self._actions.controls, self._infos)
-
-    def __deepcopy__(self, memo: dict[int, Any]) -> "CatchArenaEnv":
-        own = {
-            "possible_agents": self.possible_agents.copy(),
-            "_engine": self._engine.clone(),
-            "_actions": self._actions.copy(),
-            "_leaving": self._leaving.copy(),
-            "_recorder": self._recorder.copy(),
-            "_display": copy.copy(self._display),
-            "_np_random": copy.deepcopy(self._np_random, memo),
-        }
-        twin = object.__new__(type(self))
-        twin.__dict__ = {**self.__dict__, **own}
-        twin.__dict__.pop("observation_spaces", None)  # built again on demand
-        if "action_spaces" in self.__dict__:
-            twin.action_spaces = copy.deepcopy(self.action_spaces, memo)
-        twin._results = twin._make_results()
-        twin._set_agents(self.agents.copy())
-        return twin
 
     def __str__(self) -> str:
         return str(self.metadata["name"])
@@ -181,12 +154,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
         """R7.1, R12.4: return the space of that agent's observations; the same object in every call."""
-        self._actions.row(agent)
+        self._actions.seat(agent)
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
         """R4.1, R4.4, R12.2: return the space of that agent's actions; the same object in every call."""
-        self._actions.row(agent)
+        self._actions.seat(agent)
         return self.action_spaces[agent]
 
     @cached_property
@@ -199,8 +172,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     @cached_property
     def action_spaces(self) -> dict[str, spaces.Space[Any]]:
         """Action space of each of `possible_agents`."""
-        made = [action_space(self.config, control) for control in self._actions.controls]
-        return dict(zip(self.possible_agents, made, strict=True))
+        return {agent: action_space(self.config, control) for agent, (_, control) in self._actions.seats.items()}
 
     @cached_property
     def state_space(self) -> spaces.Box:
@@ -236,16 +208,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         require_options(options)
         self._seed = episode_seed(seed, self._seed)
-        follows = seed is None and self._engine.ends.item() == state.TRUNCATED
-        self._truncated = (
-            tuple(agent for agent in self.possible_agents if agent not in self._leaving) if follows else ()
-        )
+        if seed is not None or self.agents:
+            self._truncated = ()
         self._np_random = None
         self._engine.reset([self._seed])
         self._recorder.begin(self._seed, self._engine)
-        self._is_over = False
-        self._leaving.clear()
-        self._set_agents(self.possible_agents[:])
+        self._withdrawn.clear()
+        self.agents = self.possible_agents[:]
         if self.render_mode == "human":
             self.render()
         return self._results.observations(), self._results.infos(self._truncated)
@@ -261,44 +230,42 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             ActionError: for a missing or illegal action, and for an unknown agent.
             EpisodeError: before the first reset, or for actions after the end.
         """
-        if self._is_over:
+        agents, engine, reader, results = self.agents, self._engine, self._actions, self._results
+        if not agents:
             if self._seed is not None and not actions:  # as PettingZoo's envs; SuperSuit's wrappers need it
                 return {}, {}, {}, {}, {}
             why = "no episode has begun" if self._seed is None else "the episode is over"
             raise EpisodeError(f"cannot call step(): {why}; call reset() first")
-        agents, engine, reader = self.agents, self._engine, self._actions
-        reader.read(actions)
-        engine.step(reader.choices, reader.commands)  # writes the arrays from which `_results` reads
+        reader.read(agents, actions)
+        engine.step(reader.choices, reader.commands)  # writes the arrays from which `results` reads
         if self._recorder.replay is not None:
             self._recorder.replay.append(reader.choices[0], reader.commands[0], engine)
-        ended = engine.ends.item()
+        ended, leaving = engine.ends.item(), self._withdrawn
         if self._leaving_rows:
             active = engine.active[0].tolist()
-            self._leaving.update(self.possible_agents[row] for row in self._leaving_rows if not active[row])
-        terminations, truncations = self._all_false.copy(), self._all_false.copy()
+            leaving = leaving.union(self.possible_agents[row] for row in self._leaving_rows if not active[row])
+        terminations = dict.fromkeys(agents, False)
+        truncations = terminations.copy()
         if ended:
             (terminations if ended == state.TERMINATED else truncations).update(dict.fromkeys(agents, True))
-        for agent in self._leaving:
+        for agent in leaving:
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False
         self._truncated = tuple(agent for agent in agents if truncations[agent]) if ended else ()
-        results = self._results
         observations, rewards, infos = results.observations(), results.rewards(), results.infos(self._truncated)
-        if ended or (self._leaving and not self._leaving.isdisjoint(agents)):
-            self._set_agents([] if ended else [agent for agent in agents if agent not in self._leaving])
-            self._is_over = not self.agents
+        if len(agents) < len(infos):
+            observations, rewards = of_agents(agents, observations), of_agents(agents, rewards)
+            infos = of_agents(agents, infos)
+        if ended or leaving:
+            self.agents = [agent for agent in agents if not (terminations[agent] or truncations[agent])]
         if self.render_mode == "human":
             self.render()
         return observations, rewards, terminations, truncations, infos
 
-    def _set_agents(self, agents: list[str]) -> None:
-        self.agents, self._all_false = agents, dict.fromkeys(agents, False)
-        self._results.set_agents(agents)
-        self._actions.set_agents(agents)
-
     def check_action(self, agent: str, action: object) -> None:
         """Raise the ActionError that `step` would raise for that action; the arena does not change."""
-        self._actions.require_legal(agent, action)
+        _, control = self._actions.seat(agent)
+        checked_action(control, agent, action, self.config.targets_seen, clip=True)
 
     def withdraw(self, agent: str) -> None:
         """R1.6, R12.5: withdraw an agent from the rest of the episode.
@@ -306,14 +273,13 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         The agent is among `agents` for one more step, in which none of its requests is granted. That step ends with its
         termination and its last observation. Withdrawn prey stands still, and can be caught.
         """
-        row = self._actions.row(agent)
-        if self._is_over or agent not in self.agents:
+        row, _ = self._actions.seat(agent)
+        if agent not in self.agents:
             raise EpisodeError(f"cannot withdraw {agent}: it is not among the agents of this episode")
-        if agent in self._leaving:
-            return
-        self._engine.withdraw(0, row)
-        self._leaving.add(agent)
-        self._recorder.withdraw(row)
+        if agent not in self._withdrawn:
+            self._engine.withdraw(0, row)
+            self._withdrawn.add(agent)
+            self._recorder.withdraw(row)
 
     def world(self) -> World:
         """Return the arena in the world frame, for people, rendering and tests."""
@@ -368,9 +334,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             seed=self._seed,
             possible_agents=tuple(self.possible_agents),
             agents=tuple(self.agents),
-            over=self._is_over,
-            leaving=frozenset(self._leaving),
-            cut=self._truncated,
+            withdrawn=frozenset(self._withdrawn),
+            truncated=self._truncated,
             np_random=None if self._np_random is None else self._np_random.bit_generator.state,
             replay=None if replay is None else replay.copy(),
         )
@@ -392,14 +357,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             got = shortened(list(saved.possible_agents))
             raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
         self._engine.restore_row(0, saved.arena)
-        self._seed, self._is_over, self._truncated = saved.seed, saved.over, saved.cut
-        self._leaving = set(saved.leaving)
-        self._set_agents(list(saved.agents))
+        self._seed, self.agents = saved.seed, list(saved.agents)
+        self._withdrawn, self._truncated = set(saved.withdrawn), saved.truncated
         self._np_random = None
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
         self._recorder.replay = None if saved.replay is None else saved.replay.copy()
-        return self._results.observations(), self._results.infos(self._truncated)
+        observations, infos = self._results.observations(), self._results.infos(self._truncated)
+        return of_agents(self.agents, observations), of_agents(self.agents, infos)
 
     def clone(self) -> "CatchArenaEnv":
         """Return an independent env in the same state, without a window; `copy.deepcopy` does the same."""

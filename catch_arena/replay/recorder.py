@@ -40,7 +40,7 @@ class Recorder:
         if self.replay is not None:
             insort(self.replay.withdrawals, (self.replay.steps, row))  # agents can be withdrawn in any order
 
-    def copy(self) -> "Recorder":
+    def __deepcopy__(self, memo: object) -> "Recorder":
         """Return an independent copy."""
         twin = Recorder(self._config)
         twin._names_and_title = self._names_and_title
