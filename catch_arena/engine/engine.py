@@ -57,10 +57,10 @@ class SavedState(EqualByBits):
     num_envs: int | None
     """Number of arenas in the batch; None for a single row."""
     controls: NDArray[np.int8]
-    """Controls of the hunters, as `VectorArena.set_controls` takes them: (B, H), or (H,) for a single row."""
-    memory: NDArray[np.uint8]
-    """Bytes of the engine's memory."""
-    finished: NDArray[np.uint8]
+    """Controls of the hunters, as `VectorArena.set_controls` takes them: (B, H)."""
+    memory: tuple[NDArray[Any], ...]
+    """Parts of the engine's memory: the arenas, and the results of their last step."""
+    finished: tuple[NDArray[Any], ...]
     """Records of finished episodes, of an engine with `auto_reset`; otherwise empty."""
 
 
@@ -148,9 +148,9 @@ class Engine:
         saved, finished = offset_of("chunks", memory), offset_of("final_observations", memory)
         self._saved, self._finished = memory[saved:finished], memory[finished:]
         arrays: tuple[NDArray[Any], ...] = sections
-        of_arenas, of_finished = map(Sections._fields.index, ("rewards", "final_observations"))
-        self._saved_rows = _rows_of(arrays[of_arenas:of_finished])
-        self._finished_rows = _rows_of(arrays[of_finished:])
+        of_results, of_finished = map(Sections._fields.index, ("rewards", "final_observations"))
+        self._saved_rows = [section for section in arrays[of_results:of_finished] if section.size]
+        self._finished_rows = [section for section in arrays[of_finished:] if section.size]
 
     # playing
 
@@ -321,34 +321,38 @@ class Engine:
 
     # saving
 
-    def save(self) -> SavedState:
+    def save(self, arena: int | None = None) -> SavedState:
         """R10.2: return the state of all arenas with the results of their last step, and the records of ended episodes,
         which only `auto_reset` keeps. `restore` takes it, in this engine or in one of an equal config and size.
+
+        Args:
+            arena: the arena whose state is returned, alone; any arena of an engine of an equal config can take it.
         """
-        parts = self.controls.copy(), self._saved.copy(), self._finished.copy()
-        return SavedState(self._config_digest, self.num_arenas, *parts)
+        controls, memory, finished = self._parts(arena)
+        return SavedState(
+            self._config_digest,
+            self.num_arenas if arena is None else None,
+            controls.copy(),
+            tuple(part.copy() for part in memory),
+            tuple(part.copy() for part in finished),
+        )
 
-    def restore(self, saved: SavedState) -> None:
-        """Continue from a saved state. Its records are ignored if this engine or the other has no `auto_reset`."""
-        self.controls[:] = saved.controls
-        self._saved[:] = saved.memory
-        if len(saved.finished) == len(self._finished):
-            self._finished[:] = saved.finished
+    def restore(self, saved: SavedState, arena: int | None = None) -> None:
+        """Continue from a saved state, which `require_saved` accepts.
 
-    def save_row(self, arena: int) -> SavedState:
-        """R10.2: return the state of one arena, which any arena of an engine of an equal config can take."""
-        parts = self.controls[arena].copy(), _bytes_of(self._saved_of(arena)), _bytes_of(self._finished_of(arena))
-        return SavedState(self._config_digest, None, *parts)
-
-    def restore_row(self, arena: int, saved: SavedState) -> None:
-        """Put the saved state of a single arena into one arena of this engine, which continues from it."""
-        self.controls[arena] = saved.controls
-        _write(self._saved_of(arena), saved.memory)
-        if len(saved.finished):
-            _write(self._finished_of(arena), saved.finished)
+        Args:
+            saved: the saved state. Its records are ignored if this engine or the other has no `auto_reset`.
+            arena: the arena that continues, if the state is that of a single one.
+        """
+        controls, memory, finished = self._parts(arena)
+        controls[:] = saved.controls
+        for part, content in zip(memory, saved.memory, strict=True):
+            part[:] = content
+        for part, content in zip(finished, saved.finished, strict=False):
+            part[:] = content
 
     def require_saved(self, saved: object, *, alone: bool) -> None:
-        """Check that this engine can continue from a saved state; `restore` and `restore_row` do not check it.
+        """Check that this engine can continue from a saved state; `restore` does not check it.
 
         Args:
             saved: the saved state.
@@ -367,22 +371,21 @@ class Engine:
         if saved.num_envs != num_envs:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be that of {wanted} here, got that of {got}")
-        size = sum(numbers.nbytes for numbers in self._saved_of(0)) if alone else len(self._saved)
-        if len(saved.memory) != size:
+        _, memory, _ = self._parts(0 if alone else None)
+        size, found = (sum(part.nbytes for part in parts) for parts in (memory, saved.memory))
+        if found != size:
             raise ConfigError(
-                f"a saved state must come from this version of Catch Arena, in which it has {size} bytes, "
-                f"got {len(saved.memory)}"
+                f"a saved state must come from this version of Catch Arena, in which it has {size} bytes, got {found}"
             )
 
-    def _saved_of(self, arena: int) -> list[NDArray[Any]]:
-        """Return what is saved of one arena, as views of the engine's memory."""
-        chunk, lane = divmod(arena, LANES)
-        columns = self._views.fields[chunk, :, lane], self._views.target_orders[chunk, :, :, lane]
-        return [*columns, *(rows[arena] for rows in self._saved_rows)]
-
-    def _finished_of(self, arena: int) -> list[NDArray[Any]]:
-        """Return the record of one arena's latest ended episode, as views of the engine's memory."""
-        return [rows[arena] for rows in self._finished_rows]
+    def _parts(self, arena: int | None) -> tuple[NDArray[np.int8], list[NDArray[Any]], list[NDArray[Any]]]:
+        """Return the parts of the memory of which a `SavedState` has copies: those of one arena, or of all."""
+        if arena is None:
+            return self.controls, [self._saved], [self._finished] if self.auto_reset else []
+        (chunk, lane), row = divmod(arena, LANES), slice(arena, arena + 1)
+        memory: list[NDArray[Any]] = [self._views.fields[chunk, :, lane], self._views.target_orders[chunk, :, :, lane]]
+        memory += [section[row] for section in self._saved_rows]
+        return self.controls[row], memory, [section[row] for section in self._finished_rows]
 
     @cached_property
     def _config_digest(self) -> str:
@@ -414,22 +417,6 @@ class Engine:
     def __setstate__(self, state: Bytes) -> None:
         """Copy the memory of another engine of the same config and size."""
         self._memory[:] = state
-
-
-def _rows_of(sections: Sequence[NDArray[Any]]) -> list[NDArray[Any]]:
-    """Return the numbers of each arena in these sections: (B, n) each."""
-    return [section.reshape(len(section), -1) for section in sections if section.size]
-
-
-def _bytes_of(parts: Sequence[NDArray[Any]]) -> Bytes:
-    return np.frombuffer(b"".join(part.tobytes() for part in parts), np.uint8)
-
-
-def _write(parts: Sequence[NDArray[Any]], saved: Bytes) -> None:
-    begin = 0
-    for part in parts:
-        part[:] = saved[begin : begin + part.nbytes].view(part.dtype).reshape(part.shape)
-        begin += part.nbytes
 
 
 def _in_ms(ages: NDArray[np.float64]) -> NDArray[np.float64]:

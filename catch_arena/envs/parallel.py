@@ -330,7 +330,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._require_episode("save")
         replay = self._recorder.replay
         return SavedEpisode(
-            arena=self._engine.save_row(0),
+            arena=self._engine.save(0),
             seed=self._seed,
             possible_agents=tuple(self.possible_agents),
             agents=tuple(self.agents),
@@ -356,7 +356,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if list(saved.possible_agents) != self.possible_agents:
             got = shortened(list(saved.possible_agents))
             raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
-        self._engine.restore_row(0, saved.arena)
+        self._engine.restore(saved.arena, 0)
         self._seed, self.agents = saved.seed, list(saved.agents)
         self._withdrawn, self._truncated = set(saved.withdrawn), saved.truncated
         self._np_random = None

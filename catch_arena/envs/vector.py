@@ -414,16 +414,13 @@ class VectorArena:
         Raises:
             ConfigError: for anything that `save` of an equal config and number of arenas did not return.
         """
-        self._engine.require_saved(saved, alone=False)
-        self._require_controls(saved, self._engine.controls)
-        self._engine.restore(saved)
+        self._restore(saved, None)
         self._has_begun = True
-        self._update_ends()
         return self._reset_results()
 
     def save_row(self, arena: int) -> SavedState:
         """R10.2: return the state of one arena, which any row of a batch of equal config can take."""
-        return self._engine.save_row(self._row("save_row", arena))
+        return self._engine.save(self._row("save_row", arena))
 
     def restore_row(self, arena: int, saved: SavedState) -> Begun:
         """Continue from a saved row in one arena.
@@ -434,16 +431,15 @@ class VectorArena:
         Raises:
             ConfigError: for a row that does not exist, and for anything but a saved row of an equal config.
         """
-        arena = self._row("restore_row", arena)
-        self._engine.require_saved(saved, alone=True)
-        self._require_controls(saved, self._engine.controls[arena])
-        self._engine.restore_row(arena, saved)
-        self._update_ends()
+        self._restore(saved, self._row("restore_row", arena))
         return self._reset_results()
 
-    def _require_controls(self, saved: SavedState, controls: NDArray[np.int8]) -> None:
-        if (saved.controls != controls).any():
+    def _restore(self, saved: SavedState, arena: int | None) -> None:
+        self._engine.require_saved(saved, alone=arena is not None)
+        if (saved.controls != self._engine.controls[0]).any():
             self._require_any_control()
+        self._engine.restore(saved, arena)
+        self._update_ends()
 
     def clone(self) -> "VectorArena":
         """Return an independent batch in the same state; `copy.deepcopy` does the same."""

@@ -191,7 +191,7 @@ class _Search:
         worlds = []
         for step, engine in enumerate(islice(replay.checked_engines(), contest.step + 1)):
             if step >= self._first - 1:
-                self._starts[step] = engine.save_row(0)
+                self._starts[step] = engine.save(0)
                 self._active[step] = engine.active_targets()[0]
             if step >= self._judged:
                 worlds.append(engine.world())
@@ -241,7 +241,7 @@ class _Search:
     def _changes(self, run: range) -> list[_Change]:
         """Return the changes that are tried in a run; of equally large ones the first is best."""
         if self._control == "target":
-            self._engine.restore_row(0, self._starts[run.start])
+            self._engine.restore(self._starts[run.start], 0)
             seen: list[int] = self._engine.numbers_seen(self.seat)[0].tolist()
             others = [number for number in seen if number not in (0, self._number)]
             return [_Change(run, goal) for goal in (self._number, *others[:_MOST_OTHERS], 0)]
@@ -267,7 +267,7 @@ class _Search:
         """
         replay, seat, rows, run = self._replay, self.seat, len(changes), changes[0].run
         for row in range(rows):
-            engine.restore_row(row, self._starts[run.start])
+            engine.restore(self._starts[run.start], row)
         counts = np.ones(rows, dtype=np.bool_)
         goals = np.array([np.nan if change.goal is None else change.goal for change in changes])
         given = np.array([change.command for change in changes], dtype=np.float32)  # NaN for None
