@@ -2,6 +2,7 @@
 
 import copy as copy_module
 from collections.abc import Iterable
+from functools import cached_property
 from typing import Any, Final, TypeVar, cast
 
 import numpy as np
@@ -127,9 +128,10 @@ class VectorArena:
             self._terminations, self._truncations, self._ended = (np.zeros(num_envs, dtype=np.bool_) for _ in range(3))
         except MemoryError as error:
             raise ConfigError(f"num_envs must fit into this machine's memory, got {num_envs}: {error}") from None
-        self._infos = self._make_infos()
 
-    def _make_infos(self) -> dict[str, Any]:
+    @cached_property
+    def _infos(self) -> dict[str, Any]:
+        """Arrays of the infos; a copied or unpickled batch makes them again, from its own engine's arrays."""
         engine, hunters, infos = self._engine, self.num_hunters, dict[str, Any]()
         if self._reads_choices:
             infos["action_mask"] = engine.masks.view()
@@ -256,25 +258,18 @@ class VectorArena:
             raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {describe_value(played)}")
         _require("steps", f"numbers from 0 to {most}", played, (played >= 0) & (played <= most))
         played = np.broadcast_to(played.astype(np.int64), len(chosen))
-        fastest = np.array(config.max_speeds)
-        self._require_bodies("hunters", hunters, -fastest if config.reverse else 0.0 * fastest, fastest)
-        self._require_bodies("targets", targets, 0.0, config.target_speed_mps if config.targets_move else 0.0)
-        elapsed_s = played[:, None] * config.control_period_ms / 1000.0
-        # rounded to the millisecond
-        recent = (targets[:, :, 4] >= 0.0) & (targets[:, :, 4] < elapsed_s + 0.0005)
-        _require("targets", "of ages from 0 to the time that has passed", targets, recent | np.isnan(targets[:, :, 0]))
+        fastest, elapsed_s = np.array(config.max_speeds), played[:, None] * config.control_period_ms / 1000.0
+        place = f"at places in the arena, from 0 to {config.side_m} m", 0.0, config.side_m
+        turn = f"of headings from {-MAX_HEADING_RAD:g} to {MAX_HEADING_RAD:g} rad", -MAX_HEADING_RAD, MAX_HEADING_RAD
+        slowest, moving = -fastest if config.reverse else 0.0, config.target_speed_mps if config.targets_move else 0.0
+        pace = "of velocities within their limits"
+        oldest = np.nextafter(elapsed_s + 0.0005, 0.0)  # ages are rounded to the millisecond
+        age = "of ages from 0 to the time that has passed", 0.0, oldest
+        _require_bodies("hunters", hunters, place, place, turn, (pace, slowest, fastest))
+        _require_bodies("targets", targets, place, place, turn, (pace, 0.0, moving), age)
         self._engine.place_batch(chosen, hunters, targets, played)
         self._update_ends()
         return self._reset_results()
-
-    def _require_bodies(self, name: str, bodies: NDArray[np.float64], slowest: Any, fastest: Any) -> None:
-        x, y, heading, speed = (bodies[:, :, column] for column in range(4))
-        absent, side = np.isnan(x), self.config.side_m
-        inside = (x >= 0.0) & (x <= side) & (y >= 0.0) & (y <= side)
-        _require(name, f"at places in the arena, from 0 to {side} m", bodies, absent | inside)
-        headings = f"of headings from {-MAX_HEADING_RAD:g} to {MAX_HEADING_RAD:g} rad"
-        _require(name, headings, bodies, absent | (np.abs(heading) <= MAX_HEADING_RAD))
-        _require(name, "of velocities within their limits", bodies, absent | ((speed >= slowest) & (speed <= fastest)))
 
     def _reset_results(self) -> Begun:
         return self._handed_out((self._engine.observations, dict(self._infos)))
@@ -448,11 +443,6 @@ class VectorArena:
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in self.__dict__.items() if name != "_infos"}
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        """Build the infos again, so that they show the arrays of the copy's own engine."""
-        self.__dict__.update(state)
-        self._infos = self._make_infos()
-
     # reading
 
     def world(self, arena: int) -> World:
@@ -498,6 +488,15 @@ def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], c
             f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {describe_value(given)}"
         )
     return table
+
+
+def _require_bodies(name: str, bodies: NDArray[np.float64], *columns: tuple[str, Any, Any]) -> None:
+    """Raise a ConfigError unless each column lies within its bounds; rows of NaN are legal. A column has the
+    requirement in words, the lower bound, and the upper bound.
+    """
+    for column, (requirement, low, high) in enumerate(columns):
+        numbers = bodies[:, :, column]
+        _require(name, requirement, bodies, np.isnan(bodies[:, :, 0]) | ((numbers >= low) & (numbers <= high)))
 
 
 def _require(name: str, requirement: str, given: NDArray[Any], legal: NDArray[np.bool_]) -> None:
