@@ -167,11 +167,7 @@ class Engine:
             raise ConfigError(f"seeds must be one for each of {len(chosen)} arenas, got {len(seeds)}")
         if not isinstance(seeds, np.ndarray) or seeds.dtype != np.uint64:
             seeds = np.array([checked_seed(seed) for seed in seeds], dtype=np.uint64)
-        self.rewards[chosen] = 0.0
-        self.ends[chosen] = 0
-        if self.with_infos:
-            self.parts[chosen] = 0.0
-            self.prey_parts[chosen] = 0.0
+        self._clear_results(chosen)
         resets = np.stack((chosen.astype(np.uint64), seeds), axis=1)
         self._observe(chosen, resets)
 
@@ -201,6 +197,11 @@ class Engine:
             tick.run(kind, memory, thread, first, stop, _NO_RESETS, playing, choices, commands, requests)
 
         run_in_threads(self.num_threads, self._num_parts, play)
+
+    def _clear_results(self, arenas: NDArray[np.int64]) -> None:
+        for results in (self.rewards, self.ends, self.parts, self.prey_parts):
+            if results.size:
+                results[arenas] = 0
 
     def _observe(self, arenas: Sequence[int] | NDArray[np.int64], resets: NDArray[np.uint64] = _NO_RESETS) -> None:
         """Begin episodes, and write the observations and masks of the chunks that contain these arenas."""
@@ -264,10 +265,7 @@ class Engine:
         oldest_first = np.argsort(np.where(there, -rows[:, :, 4], np.inf), axis=1, kind="stable")  # R8.2
         rows = np.take_along_axis(rows, oldest_first[:, :, None], axis=1)
         placing.place_all(self._memory, arenas, hunters + 0.0, rows, steps)
-        self.ends[arenas] = 0
-        self.rewards[arenas] = 0.0
-        if self.with_infos:
-            self.parts[arenas] = 0.0
+        self._clear_results(arenas)
         self._observe(arenas)
 
     def spawn(self, arena: int, x: float, y: float, theta: float) -> int:
@@ -392,16 +390,13 @@ class Engine:
         """Digest of the config, which a saved state must have; computed once, since it takes longer than saving."""
         return self.config.digest
 
-    def clone(self) -> "Engine":
+    def __deepcopy__(self, memo: object) -> "Engine":
         """Return an independent engine in the same state."""
         twin = object.__new__(Engine)
         twin.__dict__.update(self.__dict__)
         memory = copy_of(self._memory)
         twin._bind_sections(memory, sections_of(memory))
         return twin
-
-    def __deepcopy__(self, memo: object) -> "Engine":
-        return self.clone()
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the constructor's arguments and the memory: arrays share it, which a plain pickle would not keep."""

@@ -1,6 +1,7 @@
 """Names of an env's agents."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 
 from catch_arena.errors import ConfigError
 from catch_arena.plain import as_python
@@ -20,15 +21,12 @@ def checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> 
     if given is None:
         return usual
     names = as_python(given)
-    if isinstance(given, str) and "{seat" in given:
-        try:
+    if isinstance(given, str):
+        with suppress(ValueError, LookupError, AttributeError, TypeError):  # it is no pattern
             names = [given.format(seat=seat) for seat in range(len(usual))]
-        except (ValueError, LookupError, AttributeError, TypeError):
-            raise ConfigError(
-                'agent_names must be a pattern such as "agent_{seat}", or "agent_{seat:02d}", got ' + shortened(given)
-            ) from None
     if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names):
-        raise ConfigError(f"agent_names must be a pattern with {{seat}} or a list of names, got {shortened(given)}")
+        pattern = 'a pattern such as "agent_{seat}" or "agent_{seat:02d}"'
+        raise ConfigError(f"agent_names must be {pattern}, or a list of names, got {shortened(given)}")
     if not len(set(names)) == len(names) == len(usual):
         raise ConfigError(f"agent_names must be {len(usual)} different names, got {shortened(given)}")
     return list(names)

@@ -147,9 +147,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._display = Display(config, render_mode)
         self._recorder = Recorder(config)
 
-    def __str__(self) -> str:
-        return str(self.metadata["name"])
-
     # observations and actions
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
@@ -232,10 +229,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         agents, engine, reader, results = self.agents, self._engine, self._actions, self._results
         if not agents:
-            if self._seed is not None and not actions:  # as PettingZoo's envs; SuperSuit's wrappers need it
-                return {}, {}, {}, {}, {}
-            why = "no episode has begun" if self._seed is None else "the episode is over"
-            raise EpisodeError(f"cannot call step(): {why}; call reset() first")
+            self._require_episode("step")
+            if actions:
+                raise EpisodeError("cannot call step(): the episode is over; call reset() first")
+            return {}, {}, {}, {}, {}  # as PettingZoo's envs; SuperSuit's wrappers need it
         reader.read(agents, actions)
         engine.step(reader.choices, reader.commands)  # writes the arrays from which `results` reads
         if self._recorder.replay is not None:

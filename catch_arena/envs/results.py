@@ -78,16 +78,15 @@ class Results:
         Args:
             truncated: the agents whose `TimeLimit.truncated` is True.
         """
-        if self._content == "none":
-            return {agent: {} for agent in self._names}
+        infos: dict[str, dict[str, Any]] = {}
         masks = self._masks.copy()
-        if self._content == "mask":
-            infos = {agent: dict[str, Any]() for agent in self._names}
+        if self._content != "full":
+            infos |= {agent: {} for agent in self._names}
             for agent, seat, control in self._hunters:
-                if control != "velocity":
+                if self._content == "mask" and control != "velocity":
                     infos[agent]["action_mask"] = masks[seat]
             return infos
-        infos, verdicts, parts = {}, self._verdicts.tolist(), self._parts.copy()
+        verdicts, parts = self._verdicts.tolist(), self._parts.copy()
         rulings = self._rulings.astype(np.int64).tolist() if any(verdicts) else ()
         for agent, seat, control in self._hunters:
             if control == "velocity":

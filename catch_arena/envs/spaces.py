@@ -19,11 +19,12 @@ def observation_space(config: ArenaConfig, control: Control) -> spaces.Space[Any
 
 
 def action_space(config: ArenaConfig, control: Control) -> spaces.Space[Any]:
-    """R4.1, R4.4: return the space of a hunter's actions under that control."""
-    choice: spaces.Space[Any] = spaces.Discrete(config.targets_seen + 1)
-    if control == "target":
-        return choice
-    return velocity_space() if control == "velocity" else FullActions({"cmd_vel": velocity_space(), "catch": choice})
+    """R4.1, R4.4, R12.2: return the space of an agent's actions under that control; prey has velocity control."""
+    choice = spaces.Discrete(config.targets_seen + 1)
+    command = spaces.Box(-1.0, 1.0, (2,), dtype=np.float32)  # R2.5: fractions of the limits
+    full = FullActions({"cmd_vel": command, "catch": choice})
+    by_control: dict[Control, spaces.Space[Any]] = {"target": choice, "velocity": command, "full": full}
+    return by_control[control]
 
 
 class FullActions(spaces.Dict):
@@ -34,11 +35,6 @@ class FullActions(spaces.Dict):
         if isinstance(mask, np.ndarray):
             mask = {"cmd_vel": None, "catch": mask}
         return super().sample(mask, probability)
-
-
-def velocity_space() -> spaces.Box:
-    """R2.5, R12.2: return the space of linear and angular velocity, as fractions of the limits."""
-    return spaces.Box(-1.0, 1.0, (2,), dtype=np.float32)
 
 
 def vector_space(table: tuple[Column, ...]) -> spaces.Box:
