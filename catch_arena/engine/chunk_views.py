@@ -16,6 +16,8 @@ def row_of(offset: int) -> int:
     return offset // LANES
 
 
+HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
+"""A.8: rows of a hunter that the digest reads, in its order."""
 RULING: Final = slice(row_of(state.RULING[0]), row_of(state.RULING[-1]) + 1)
 """Rows of a hunter's answer."""
 
@@ -29,7 +31,7 @@ def _digest_rows(regions: Regions, hunters: int, max_targets: int, *, moving: bo
     """A.8: return the rows that the digest reads before those of prey, in its order, if every slot has a target."""
     seats = row_of(regions.hunters) + state.HUNTER_ROWS * np.arange(hunters)
     slots = row_of(regions.targets) + slot_rows(moving) * np.arange(max_targets)
-    of_hunters = np.add.outer(seats, [row_of(offset) for offset in state.HUNTER_DIGEST])
+    of_hunters = np.add.outer(seats, HUNTER_DIGEST)
     of_targets = np.add.outer(slots, _target_digest(moving=moving))
     return np.concatenate((np.arange(state.ARENA_DIGEST_ROWS), of_hunters.reshape(-1), of_targets.reshape(-1)))
 

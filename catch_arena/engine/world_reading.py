@@ -1,29 +1,11 @@
 """Reading of an arena's memory for people: its World, and the rulings of its last step."""
 
-from typing import Final
-
 from catch_arena.config import ArenaConfig
 from catch_arena.core import state
 from catch_arena.core.state import LANES
-from catch_arena.engine.chunk_views import RULING, ChunkViews, row_of
+from catch_arena.engine.chunk_views import HUNTER_DIGEST, RULING, ChunkViews, row_of
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, PreyState, TargetState, World
-
-_HUNTER: Final = [
-    row_of(offset)
-    for offset in (
-        state.X,
-        state.Y,
-        state.THETA,
-        state.SPEED,
-        state.TURN_RATE,
-        state.SCORE,
-        state.ACTIVE,
-        state.AT_WALL,
-        state.WITHDRAWN,
-    )
-]
-"""Rows of a hunter that its HunterState has."""
 
 
 def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
@@ -32,7 +14,8 @@ def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
     own = views.fields[chunk, : state.ARENA_ROWS, lane].tolist()
     alive = int(own[row_of(state.ALIVE)])
     prey, players = _prey_states(config, views, arena) if config.prey else ((), {})
-    hunters = zip(config.hunter_names, config.team_by_seat, views.hunter_rows(arena)[:, _HUNTER].tolist(), strict=True)
+    rows = views.hunter_rows(arena)[:, HUNTER_DIGEST].tolist()
+    hunters = zip(config.hunter_names, config.team_by_seat, rows, strict=True)
     targets = views.targets[chunk, :alive, views.target_digest, lane].T.tolist()
     return World(
         time_ms=int(own[row_of(state.TIME)]),
@@ -52,7 +35,7 @@ def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
                 withdrawn=withdrawn > 0,
                 team=team,
             )
-            for name, team, (x, y, theta, speed, turn_rate, score, active, at_wall, withdrawn) in hunters
+            for name, team, (x, y, theta, speed, turn_rate, _, _, active, score, at_wall, withdrawn) in hunters
         ),
         targets=tuple(
             TargetState(
