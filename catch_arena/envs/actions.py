@@ -2,7 +2,7 @@
 
 import contextlib
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -147,12 +147,8 @@ def action_array(subject: str, given: Any, shape: tuple[int, ...], *, whole: boo
         ActionError: for another type or shape.
     """
     axes = len(shape)
-
-    def read(one: Any) -> object:
-        return whole_number(plain_action(one)) if whole else real_number(as_python(one))
-
     try:
-        table = _table(given, axes, read)
+        table = _table(given, axes, whole=whole)
     except ValueError:
         raise ActionError(f"{subject} must be rows of equal length, got {describe_value(given)}") from None
     if whole and table.ndim > axes and set(table.shape[axes:]) == {1}:  # each choice is an array with one element
@@ -164,21 +160,21 @@ def action_array(subject: str, given: Any, shape: tuple[int, ...], *, whole: boo
     return table
 
 
-def _table(given: Any, axes: int, read: Callable[[Any], object]) -> NDArray[Any]:
+def _table(given: Any, axes: int, *, whole: bool) -> NDArray[Any]:
     """Return the argument as an array; its type is object if something in it is not legal."""
     if not isinstance(given, list | tuple):
         with contextlib.suppress(TypeError, RuntimeError):  # a tensor that needs a gradient, or lies on a graphics card
             table = np.asarray(given)
             if table.dtype != object:
                 return table
-    return np.array(_rows(given, axes, read))
+    return np.array(_rows(given, axes, whole=whole))
 
 
-def _rows(given: Any, axes: int, read: Callable[[Any], object]) -> Any:
+def _rows(given: Any, axes: int, *, whole: bool) -> Any:
     rows = given if isinstance(given, list | tuple) else as_python(given)
     if axes and isinstance(rows, list | tuple):
-        return [_rows(row, axes - 1, read) for row in rows]
-    return read(given)
+        return [_rows(row, axes - 1, whole=whole) for row in rows]
+    return whole_number(plain_action(given)) if whole else real_number(as_python(given))
 
 
 def describe_value(given: object) -> str:
