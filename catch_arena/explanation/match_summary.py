@@ -175,7 +175,7 @@ def explain(
     catches: list[Catch] = []
     refusals = _RefusalRuns()
     hunters = [_HunterRecord(replay, seat, name) for seat, name in enumerate(names)]
-    prey = _PreyRecord(replay)
+    prey = [_PreyRecord(index, name) for index, name in enumerate(prey_labels(replay))]
     scores = (0,) * len(names)
     for before, after in pairwise(replay.worlds()):
         found, named = contests_of(replay, after), replay.named_rulings(before, after)
@@ -186,17 +186,18 @@ def explain(
             for ruling in granted
         ]
         refusals.note(after.rulings, named, before.time_ms, {claim.seat for one in found for claim in one.claims})
-        prey.note(before, after)
         catchers = {str(ruling.target): ruling.hunter for ruling in granted}
-        for record in hunters:
-            record.note(before, after, catchers, found)
+        for hunter_record in hunters:
+            hunter_record.note(before, after, catchers, found)
+        for prey_record in prey:
+            prey_record.note(before, after)
         for ruling in (*after.rulings, *named):
             hunters[ruling.hunter].verdicts[ruling.verdict] += 1
         scores = tuple(state.score for state in after.hunters)
         if progress is not None:
             progress(after.step, replay.steps)
-    own_names = {prey.summaries[index].name for index in prey_indices}
-    own_targets = {target for target, name in prey.by_target.items() if name in own_names}
+    own_targets = {target for index in prey_indices for target in prey[index].targets}
+    captures = sorted((one for record in prey for one in record.captures), key=lambda one: (one.step, one.prey))
     players, teams = replay.hunter_names, replay.config.team_seats
     return Explanation(
         title=replay.title,
@@ -206,8 +207,8 @@ def explain(
         steps=replay.steps,
         duration_ms=replay.duration_ms,
         names=names,
-        prey_names=prey_labels(replay),
-        prey_by_target=prey.by_target,
+        prey_names=tuple(record.summary.name for record in prey),
+        prey_by_target={target: record.summary.name for record in prey for target in sorted(record.targets)},
         scores=scores,
         entrants=tuple(" + ".join(dict.fromkeys(players[seat] for seat in members)) for members in teams),
         catches=tuple(catches),
@@ -217,8 +218,8 @@ def explain(
         refusals=tuple(one for one in refusals.found if one.target in own_targets or one.seat in seats),
         records=tuple(hunters[seat].finished(scores[seat], contests) for seat in seats),
         teams=_teams(replay, scores),
-        captures=tuple(one for one in prey.captures if one.prey in prey_indices or one.seat in seats),
-        prey=tuple(prey.summaries[index] for index in prey_indices),
+        captures=tuple(one for one in captures if one.prey in prey_indices or one.seat in seats),
+        prey=tuple(prey[index].summary for index in prey_indices),
     )
 
 
@@ -313,34 +314,31 @@ class _HunterRecord:
 
 
 class _PreyRecord:
-    """Captures of a match (chapter 12) and a summary of each prey, collected step by step."""
+    """Summary and captures of one prey (chapter 12), collected step by step."""
 
-    def __init__(self, replay: Replay) -> None:
-        self._open: dict[int, Capture] = {}
+    def __init__(self, index: int, name: str) -> None:
+        self.summary = PreySummary(index, name)
         self.captures: list[Capture] = []
-        self.by_target: dict[str, str] = {}
-        """Label of the prey by the name of each target that it has played."""
-        self.summaries = [PreySummary(index, name) for index, name in enumerate(prey_labels(replay))]
+        self.targets: set[str] = set()
+        """Names of the targets that the prey has played."""
 
     def note(self, before: World, after: World) -> None:
         """Add the next step."""
-        for summary, then, now in zip(self.summaries, before.prey, after.prey, strict=True):
-            self.by_target |= {target: summary.name for target in (then.target, now.target) if target is not None}
-            if now.withdrawn and summary.withdrawn_ms is None:
-                summary.withdrawn_ms = before.time_ms
-            if now.caught_by is not None:
-                self._note_capture(summary.index, before, after, now.caught_by)
-            elif then.target is not None and not now.withdrawn:
-                summary.in_play_ms += after.time_ms - before.time_ms
-            summary.times_caught, summary.out = now.times_caught, now.target is None
-            if now.target is not None and summary.index in self._open:
-                capture = self._open.pop(summary.index)
-                capture.returned_ms, capture.returned_as = after.time_ms, now.target
-                summary.returns += 1
-
-    def _note_capture(self, index: int, before: World, after: World, seat: int) -> None:
-        target = next(state for state in before.targets if state.name == before.prey[index].target)
-        distance = next((ruling.distance_um for ruling in after.rulings if ruling.hunter == seat), None)
-        in_play_ms = before.time_ms - target.spawned_ms
-        self._open[index] = Capture(index, after.step, before.time_ms, seat, target.name, distance, in_play_ms)
-        self.captures.append(self._open[index])
+        summary, index = self.summary, self.summary.index
+        then, now = before.prey[index], after.prey[index]
+        self.targets.update(target for target in (then.target, now.target) if target is not None)
+        if now.withdrawn and summary.withdrawn_ms is None:
+            summary.withdrawn_ms = before.time_ms
+        if now.caught_by is not None:
+            target = next(state for state in before.targets if state.name == then.target)
+            distance = next((ruling.distance_um for ruling in after.rulings if ruling.hunter == now.caught_by), None)
+            in_play_ms = before.time_ms - target.spawned_ms
+            self.captures.append(
+                Capture(index, after.step, before.time_ms, now.caught_by, target.name, distance, in_play_ms)
+            )
+        elif then.target is not None and not now.withdrawn:
+            summary.in_play_ms += after.time_ms - before.time_ms
+        summary.times_caught, summary.out = now.times_caught, now.target is None
+        if now.target is not None and self.captures and self.captures[-1].returned_ms is None:
+            self.captures[-1].returned_ms, self.captures[-1].returned_as = after.time_ms, now.target
+            summary.returns += 1
