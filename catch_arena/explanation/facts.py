@@ -48,8 +48,8 @@ class Contest:
 
 @dataclass(slots=True)
 class Refusals:
-    """Run of one hunter's requests for one target that were refused for the same reason, without a catch or contest of
-    its own or a request by rank for another target in between.
+    """Run of one hunter's requests for one target that were refused for the same reason. A catch or contest of the
+    hunter ends it; so does a request by rank for another target that is refused for that reason.
     """
 
     seat: int

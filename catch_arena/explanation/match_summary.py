@@ -173,30 +173,31 @@ def explain(
     names = labels(replay.hunter_names)
     contests: list[Contest] = []
     catches: list[Catch] = []
-    refusals = _RefusalRuns()
     hunters = [_HunterRecord(replay, seat, name) for seat, name in enumerate(names)]
     prey = [_PreyRecord(index, name) for index, name in enumerate(prey_labels(replay))]
     scores = (0,) * len(names)
     for before, after in pairwise(replay.worlds()):
-        found, named = contests_of(replay, after), replay.named_rulings(before, after)
+        found = contests_of(replay, after)
         granted = [ruling for ruling in after.rulings if ruling.success]
         contests += found
         catches += [
             Catch(before.time_ms, ruling.hunter, after.hunters[ruling.hunter].team, after.team_scores)
             for ruling in granted
         ]
-        refusals.note(after.rulings, named, before.time_ms, {claim.seat for one in found for claim in one.claims})
         catchers = {str(ruling.target): ruling.hunter for ruling in granted}
         for hunter_record in hunters:
             hunter_record.note(before, after, catchers, found)
         for prey_record in prey:
             prey_record.note(before, after)
-        for ruling in (*after.rulings, *named):
-            hunters[ruling.hunter].verdicts[ruling.verdict] += 1
+        for ruling in after.rulings:
+            hunters[ruling.hunter].add_request(ruling, before.time_ms, by_name=False)
+        for ruling in replay.named_rulings(before, after):
+            hunters[ruling.hunter].add_request(ruling, before.time_ms, by_name=True)
         scores = tuple(state.score for state in after.hunters)
         if progress is not None:
             progress(after.step, replay.steps)
     own_targets = {target for index in prey_indices for target in prey[index].targets}
+    refusals = sorted((run for record in hunters for run in record.refusals), key=lambda run: run.first_step)
     captures = sorted((one for record in prey for one in record.captures), key=lambda one: (one.step, one.prey))
     players, teams = replay.hunter_names, replay.config.team_seats
     return Explanation(
@@ -215,7 +216,7 @@ def explain(
         contests=tuple(
             one for one in contests if one.target in own_targets or any(claim.seat in seats for claim in one.claims)
         ),
-        refusals=tuple(one for one in refusals.found if one.target in own_targets or one.seat in seats),
+        refusals=tuple(one for one in refusals if one.target in own_targets or one.seat in seats),
         records=tuple(hunters[seat].finished(scores[seat], contests) for seat in seats),
         teams=_teams(replay, scores),
         captures=tuple(one for one in captures if one.prey in prey_indices or one.seat in seats),
@@ -233,49 +234,20 @@ def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
     )
 
 
-class _RefusalRuns:
-    """Collector of refusals in runs: one at a time for a hunter's requests by rank, and one for each requested name."""
-
-    def __init__(self) -> None:
-        self.found: list[Refusals] = []
-        self._running: dict[tuple[int, Verdict, object], Refusals] = {}
-
-    def note(self, by_rank: Sequence[Ruling], by_name: Sequence[Ruling], judged_ms: int, contested: set[int]) -> None:
-        """Add a step's refusals to runs. A catch or contest ends the hunter's runs."""
-        busy = contested.union(ruling.hunter for ruling in by_rank if ruling.success)
-        self._running = {key: run for key, run in self._running.items() if run.seat not in busy}
-        for ruling in by_rank:
-            if ruling.hunter not in busy:
-                self._add(ruling, judged_ms, by_name=False)
-        for ruling in by_name:
-            self._add(ruling, judged_ms, by_name=True)
-
-    def _add(self, ruling: Ruling, judged_ms: int, *, by_name: bool) -> None:
-        target = None if ruling.target is None else str(ruling.target)
-        key = (ruling.hunter, ruling.verdict, (target,) if by_name else "rank")
-        run = self._running.get(key)
-        if run is None or run.target != target:
-            step = ruling.step + 1
-            run = Refusals(ruling.hunter, ruling.verdict, step, step, judged_ms, judged_ms, target, by_name)
-            self._running[key] = run
-            self.found.append(run)
-        run.times += 1
-        run.last_step, run.last_ms = ruling.step + 1, judged_ms
-        if (distance := ruling.distance_um) is not None:
-            run.nearest_um = distance if run.nearest_um is None else min(run.nearest_um, distance)
-            run.farthest_um = distance if run.farthest_um is None else max(run.farthest_um, distance)
-
-
 class _HunterRecord:
-    """Summary of one hunter, collected step by step."""
+    """Summary and refusals of one hunter, collected step by step."""
 
     def __init__(self, replay: Replay, seat: int, name: str) -> None:
         self._replay = replay
         self._summary = HunterSummary(seat, name)
         self._seen: set[str] = set()
         """Names of the targets that the hunter has had in sight."""
-        self.verdicts: Counter[Verdict] = Counter()
+        self._verdicts: Counter[Verdict] = Counter()
         """Number of its requests by verdict."""
+        self._busy = False
+        """True if the hunter was in a contest, or caught a target, in the last step."""
+        self._running: dict[tuple[Verdict, object], Refusals] = {}
+        self.refusals: list[Refusals] = []
 
     def note(self, before: World, after: World, catchers: Mapping[str, int], contests: Sequence[Contest]) -> None:
         """Add the next step, with the seat that caught each target in it, and its contests."""
@@ -286,11 +258,34 @@ class _HunterRecord:
         lost = {target for target, catcher in catchers.items() if catcher != seat}
         contested = {one.target for one in contests if any(claim.seat == seat for claim in one.claims)}
         summary.forestalled += after.hunters[seat].active_target in lost - contested  # R4.1
+        self._busy = bool(contested) or seat in catchers.values()
+        if self._busy:
+            self._running.clear()
         if config.partial_view:  # R7.5
             if not before.hunters[seat].withdrawn:
                 unseen = {one.target for one in unseen_targets(config, before, seat)}
                 self._seen.update({target.name for target in before.targets} - unseen)
             summary.never_seen = (summary.never_seen or 0) + len(lost - self._seen)
+
+    def add_request(self, ruling: Ruling, judged_ms: int, *, by_name: bool) -> None:
+        """Add a request in the last step, and its refusal to a run: for each verdict there is one run at a time for
+        requests by rank, and one for each requested name.
+        """
+        self._verdicts[ruling.verdict] += 1
+        if self._busy and not by_name:
+            return
+        target = None if ruling.target is None else str(ruling.target)
+        key = (ruling.verdict, (target,) if by_name else "rank")
+        run, step = self._running.get(key), ruling.step + 1
+        if run is None or run.target != target:
+            run = Refusals(ruling.hunter, ruling.verdict, step, step, judged_ms, judged_ms, target, by_name)
+            self._running[key] = run
+            self.refusals.append(run)
+        run.times += 1
+        run.last_step, run.last_ms = step, judged_ms
+        if (distance := ruling.distance_um) is not None:
+            run.nearest_um = distance if run.nearest_um is None else min(run.nearest_um, distance)
+            run.farthest_um = distance if run.farthest_um is None else max(run.farthest_um, distance)
 
     def finished(self, score: int, contests: Sequence[Contest]) -> HunterSummary:
         """Return the summary, with the hunter's score and the results of the match's contests."""
@@ -308,8 +303,8 @@ class _HunterRecord:
         summary.catches, summary.contests_won, summary.contests_lost = score, len(won), len(lost)
         summary.won_by_um = sum(won) / len(won) if won else None
         summary.lost_by_um = sum(lost) / len(lost) if lost else None
-        refused = self.verdicts.keys() - {Verdict.GRANTED, Verdict.LOST_CONTEST}
-        summary.refused = dict(sorted((verdict.name, self.verdicts[verdict]) for verdict in refused))
+        refused = self._verdicts.keys() - {Verdict.GRANTED, Verdict.LOST_CONTEST}
+        summary.refused = dict(sorted((verdict.name, self._verdicts[verdict]) for verdict in refused))
         return summary
 
 
