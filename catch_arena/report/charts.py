@@ -9,6 +9,7 @@ import numpy as np
 
 from catch_arena.policy import Side
 from catch_arena.report.data import ReportData, SideData
+from catch_arena.tournament.statistics.head_to_head import head_to_head
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import sums_by
 from catch_arena.tournament.statistics.standings import Standing
@@ -150,12 +151,12 @@ def distributions(data: SideData) -> dict[str, Any]:
 def encounters(data: SideData) -> dict[str, Any]:
     """Return the table of each agent against each, the best first: shares in whole per cent, and texts if they fit."""
     names = [line.name for line in data.standings]
-    wordy = len(names) <= _WORDY
+    wordy, known = len(names) <= _WORDY, head_to_head(data)
     rows = []
     for name in names:
         cells: list[dict[str, Any] | None] = []
         for opponent in names:
-            encounter = data.encounters.get((name, opponent))
+            encounter = known.get((name, opponent))
             if encounter is None or not encounter.matches:
                 cells.append(None)
                 continue

@@ -10,7 +10,6 @@ from catch_arena.replay import Replay
 from catch_arena.tournament.execution.runner import REPLAYS
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.statistics.head_to_head import Encounter, head_to_head
 from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.standings import Standing, standings
 from catch_arena.tournament.store import Store, Tournament
@@ -28,11 +27,6 @@ class SideData(SideResults):
     def standings(self) -> list[Standing]:
         """Standings on this side, the best first."""
         return standings(self)
-
-    @cached_property
-    def encounters(self) -> dict[tuple[str, str], Encounter]:
-        """Results of each entrant against each other, by their names."""
-        return {(encounter.name, encounter.other): encounter for encounter in head_to_head(self)}
 
 
 @dataclass(frozen=True)

@@ -11,31 +11,29 @@ from catch_arena.tournament.statistics.outcomes import Floats, Pairs, SideResult
 
 @dataclass(frozen=True, slots=True)
 class Encounter:
-    """Results of one entrant against another."""
+    """Results of a first entrant against a second."""
 
-    name: str
-    other: str
     matches: int
     """Number of matches in which both played."""
     wins: int
-    """Number of these in which `name` ranked above `other`."""
+    """Number of these in which the first ranked above the second."""
     ties: int
     share: Estimate
-    """Share of these matches that `name` won, in [0, 1]: a win counts 1, a tie one half; NaN if they never met."""
+    """Share of these matches that the first won, in [0, 1]: a win counts 1, a tie one half; NaN if they never met."""
     improvement: float
-    """Probability that a random match of `name` has a better score than a random match of `other`, with a tie as one
-    half (Agarwal et al. 2021). Unlike the share, it is known also if they never met. For hunters more catches are
+    """Probability that a random match of the first has a better score than a random match of the second, with a tie as
+    one half (Agarwal et al. 2021). Unlike the share, it is known also if they never met. For hunters more catches are
     better, for prey fewer.
     """
 
 
-def head_to_head(results: SideResults) -> list[Encounter]:
-    """Return the results of all ordered pairs of different entrants that played, in the entrants' order."""
-    entrants, outcomes = results.entrants, results.outcomes
+def head_to_head(results: SideResults) -> dict[tuple[str, str], Encounter]:
+    """Return the results of all ordered pairs of different entrants that played, by their names."""
+    names, outcomes = [entrant.name for entrant in results.entrants], results.outcomes
     pairs = Pairs.of(outcomes)
     wins, ties = pairs.table(1), pairs.table(0)
     met = wins + wins.T + ties
-    size = len(entrants)
+    size = len(names)
     low, high = np.minimum(pairs.first, pairs.second), np.maximum(pairs.first, pairs.second)
     column = low * size + high
     present, number = np.unique(column, return_inverse=True)
@@ -57,10 +55,8 @@ def head_to_head(results: SideResults) -> list[Encounter]:
         better, worse = (i, j) if results.side == "hunter" else (j, i)
         return float(histogram[better] @ below_or_half[worse] / (totals[i] * totals[j]))
 
-    return [
-        Encounter(
-            name=entrants[i].name,
-            other=entrants[j].name,
+    return {
+        (names[i], names[j]): Encounter(
             matches=int(met[i, j]),
             wins=int(wins[i, j]),
             ties=int(ties[i, j]),
@@ -70,4 +66,4 @@ def head_to_head(results: SideResults) -> list[Encounter]:
         for i in with_matches.tolist()
         for j in with_matches.tolist()
         if i != j
-    ]
+    }
