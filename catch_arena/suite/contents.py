@@ -126,17 +126,16 @@ def _shipped(name: str, description: str, opponents: tuple[str, ...] = TRAINING_
     return SuiteScenario(name, _own_control(name), opponents, held_out=False, description=description)
 
 
-def _learned(name: str, description: str, opponents: tuple[str, ...], *, arena: str = "standard") -> SuiteScenario:
-    return SuiteScenario(name, _own_control(arena), opponents, held_out=True, description=description)
-
-
 def _own_control(name: str) -> ArenaConfig:
     """Return a shipped scenario in which each agent plays under its own control."""
     return SCENARIOS[name].replace(control=ArenaConfig().control)
 
 
-def _held_out(name: str, description: str, opponents: tuple[str, ...], **settings: Any) -> SuiteScenario:
-    return SuiteScenario(name, ArenaConfig().replace(**settings), opponents, held_out=True, description=description)
+def _held_out(
+    name: str, description: str, opponents: tuple[str, ...], *, arena: str = "standard", **settings: Any
+) -> SuiteScenario:
+    config = _own_control(arena).replace(**settings)
+    return SuiteScenario(name, config, opponents, held_out=True, description=description)
 
 
 SUITE: Final = Suite(
@@ -218,12 +217,12 @@ LADDER: Final = Suite(
     scenarios=(
         _shipped("standard", "four hunters in turtlesim's arena, against scripts"),
         _shipped("partners", "two teams of two, and a catch needs two hunters; against a script", ("together",)),
-        _learned(
+        _held_out(
             "beginners",
             "`standard` against agents that have learned for a short time",
             tuple(f"ladder.standard_seat_1_{age}k" for age in (0, 62, 111, 157, 203)),
         ),
-        _learned(
+        _held_out(
             "graduates",
             "`standard` against learned agents",
             (
@@ -232,7 +231,7 @@ LADDER: Final = Suite(
                 "ladder.standard_seat_3_808k",
             ),
         ),
-        _learned(
+        _held_out(
             "teams",
             "`partners` against learned teams",
             ("ladder.partners_seat_1_2509k", "ladder.partners_seat_2_2514k", "ladder.partners_seat_3_2502k"),
