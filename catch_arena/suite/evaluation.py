@@ -40,7 +40,7 @@ class Evaluation:
     def folder(self) -> Path:
         """Folder of the agent's matches, with a folder for each scenario that contains the store of a tournament.
 
-        It is called as the agent, with `/` and `..` replaced so that it is one folder.
+        Its name is that of the agent, with `/` and `..` replaced so that it is one folder.
         """
         return self.out / self.agent.name.replace("/", "-").replace("..", "__")
 

@@ -294,7 +294,7 @@ class LearnerBatch:
 
     @property
     def _rows(self) -> Rows:
-        """The learners, row by row."""
+        """Arena and seat of each learner."""
         return self._arenas, self._seats.reshape(-1)
 
     def _take(self, observations: NDArray[np.float32], infos: Mapping[str, Any]) -> None:

@@ -88,7 +88,7 @@ def _shares(weights: ArrayLike, count: int) -> NDArray[np.float64]:
     except (TypeError, ValueError):
         given = np.zeros(0)
     if given.shape != (count,):
-        raise ConfigError(f"weights of opponents must be numbers, {count} of them, got {shortened(weights)}")
+        raise ConfigError(f"weights of opponents must be numbers, one for each of {count}, got {shortened(weights)}")
     if not (np.isfinite(given).all() and (given >= 0).all() and given.sum() > 0):
         raise ConfigError(
             f"weights of opponents must be at least 0, and at least one must be positive, got {shortened(weights)}"
