@@ -11,7 +11,7 @@ from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
 from catch_arena.plain import plain_setting, whole_number
-from catch_arena.render import cards, hud, scene, timeline
+from catch_arena.render import cards, hud, scene
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
 from catch_arena.render.blurred_view import Belief, beliefs_of
 from catch_arena.render.captions import Captions, Commentary, caption_shapes
@@ -22,6 +22,7 @@ from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Color, Shape
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
 from catch_arena.render.team_scores import team_scores_shapes
+from catch_arena.render.timeline import Timeline, lead
 from catch_arena.render.viewport import Viewport
 from catch_arena.replay.motion import Poses, StepMotion, poses_of, step_motion
 from catch_arena.world import World
@@ -91,14 +92,14 @@ class MatchRenderer:
     @property
     def leader(self) -> int | None:
         """Contender that alone has the most catches in the step that was entered last; None for a tie."""
-        return timeline.lead(self._scores)[0]
+        return lead(self._scores)[0]
 
     def reset(self, time_ms: float = 0.0) -> None:
         """Begin a new match, without trails or annotations."""
         self._ground.reset(time_ms)
         self._annotations: list[Annotation] = []
         self._commentary = Commentary(self.info)
-        self._timeline = timeline.Timeline(self.info.duration_ms)
+        self._timeline = Timeline(self._plan.timeline, self.info, self._plan.unit)
         self._standings_animation = StandingsAnimation()
         self._feed: tuple[FeedItem, ...] = ()
         self._standings: tuple[hud.AgentScore, ...] = ()
@@ -248,16 +249,15 @@ class MatchRenderer:
             plan.standings, (lines, view_of), lambda: standings_shapes(plan.standings, info, lines, unit, view_of)
         )
         self._update(plan.feed, self._feed, lambda: feed_shapes(plan.feed, info, self._feed, unit))
-        area, history = plan.timeline, self._timeline
-        card = self._frame.pixels[area.top : area.top + area.height, area.left : area.left + area.width]
-        redrawn = self._update(area, history.catches, lambda: timeline.timeline_shapes(area, info, history, unit))
+        timeline, card = self._timeline, self._frame.part(plan.timeline)
+        redrawn = self._update(plan.timeline, timeline.catches, timeline.past_shapes)
         if redrawn:
-            self._history = card.copy()
-        cursor = round(timeline.cursor_x(area, history, time_ms, unit))
+            self._past = card.pixels.copy()
+        cursor = round(timeline.x(time_ms))
         if redrawn or cursor != self._cursor:
             self._cursor = cursor
-            card[:] = self._history
-            self._frame.draw(timeline.present_shapes(area, info, history, time_ms, unit))
+            card.pixels[:] = self._past
+            self._frame.draw(timeline.present_shapes(time_ms))
 
     def _update(self, area: hud.Rect, state: object, shapes: Callable[[], list[Shape]]) -> bool:
         """Draw a part again if its state has changed; return whether it was drawn."""

@@ -5,7 +5,6 @@ Pure functions from small states to shapes.
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Final
 
@@ -21,35 +20,181 @@ _BRIGHT_LINES: Final = 8
 """Number of contenders, the best ones, whose lines stand out; the others are drawn below them, faintly."""
 
 
-@dataclass(slots=True)
 class Timeline:
-    """Catchers and scores of a match, as two values for each of COLUMNS parts of it.
+    """Catchers and scores of a match, as two values for each of COLUMNS parts of it, and the shapes of their card.
 
     A contender is a team, or a hunter if there are no teams.
+
+    Args:
+        area: the place of the card in the frame.
+        info: names, colours and duration of the match.
+        unit: pixels of the frame per pixel of a 1280 x 720 one.
     """
 
-    duration_ms: int
-    catches: int = 0
-    catchers: list[frozenset[int]] = field(default_factory=lambda: [frozenset()] * COLUMNS)
-    """Contenders that caught, for each part."""
-    scores: list[tuple[int, ...]] = field(default_factory=list)
-    """Scores by contender, at the end of each part that has begun."""
-    last_change: int = 0
-    """Part in which the scores changed last."""
-
-    def column(self, time_ms: float) -> int:
-        """Return the part of the match that an instant falls into."""
-        return min(COLUMNS - 1, max(0, int(time_ms * COLUMNS / max(1, self.duration_ms))))
+    def __init__(self, area: Rect, info: MatchInfo, unit: float) -> None:
+        self.catches = 0
+        """Number of catches so far; `past_shapes` changes only with it."""
+        self._catchers: list[frozenset[int]] = [frozenset()] * COLUMNS
+        """Contenders that caught, for each part."""
+        self._scores: list[tuple[int, ...]] = [(0,) * len(info.contenders)]
+        """Scores by contender, at the end of each part that has begun."""
+        self._last_change = 0
+        """Part in which the scores changed last."""
+        self._area, self._info, self._unit = area, info, unit
+        self._text, self._small = font_size(14 * unit, 10), font_size(12 * unit, 9)
+        self._colors = [legible(contender.color) for contender in info.contenders]
+        self._alone = len(info.contenders) == 1
+        axis = 2.6 * self._small
+        self._left, self._width = area.left + 16 * unit + axis, area.width - 32 * unit - axis
+        self._step = self._width / COLUMNS
+        self._head = area.top + max(0.95 * self._text, min(0.11 * area.height, 22 * unit))
+        """Vertical place of the middle of the title [pixels]."""
+        self._foot = area.top + area.height - max(0.85 * self._small, min(0.08 * area.height, 18 * unit))
+        """Vertical place of the middle of the axis' labels [pixels]."""
+        self._lane_top = self._head + 0.95 * self._text
+        self._base = self._foot - 1.15 * self._small
+        room = self._base - self._lane_top
+        self._lanes = len(info.contenders) if room / 2.0 >= 1.25 * self._small * len(info.contenders) else 1
+        self._pitch = min(18.0 * unit, 0.5 * room / self._lanes)
+        self._lane = max(4.0, min(11.0 * unit, 0.7 * self._pitch))
+        self._top = self._lane_top + (self._lanes - 1) * self._pitch + self._lane + max(4.0, 0.05 * area.height)
+        self._has_lines = self._base - self._top >= 8
+        self._scale()
 
     def record(self, time_ms: float, catchers: Sequence[int], scores: Sequence[int]) -> None:
         """Advance to an instant, with the contenders of its catches, and with the scores after it."""
-        column = self.column(time_ms)
-        while len(self.scores) <= column:  # parts without events keep the scores
-            self.scores.append(self.scores[-1] if self.scores else (0,) * len(scores))
-        if self.scores[column] != tuple(scores):
-            self.scores[column], self.last_change = tuple(scores), column
-        self.catchers[column] |= frozenset(catchers)
+        column = min(COLUMNS - 1, max(0, int(time_ms * COLUMNS / max(1, self._info.duration_ms))))
+        while len(self._scores) <= column:  # parts without events keep the scores
+            self._scores.append(self._scores[-1])
+        if self._scores[column] != tuple(scores):
+            self._scores[column], self._last_change = tuple(scores), column
+            self._scale()
+        self._catchers[column] |= frozenset(catchers)
         self.catches += len(catchers)
+
+    def _scale(self) -> None:
+        """Compute the scale of the leads from all scores so far."""
+        values = [value for scores in set(self._scores) for value in over_average(scores)]
+        highest, lowest = max(2.0, *values), 0.0 if self._alone else min(-2.0, *values)
+        self._pixels = (self._base - self._top) / (highest - lowest)
+        """Height of a lead of one catch over the average [pixels]."""
+        self._zero = self._base + lowest * self._pixels
+
+    def x(self, time_ms: float) -> float:
+        """Return the horizontal place of an instant [pixels]."""
+        return self._left + self._width * min(1.0, time_ms / max(1, self._info.duration_ms))
+
+    def past_shapes(self) -> list[Shape]:
+        """Return the past: catches as ticks in their colours; below, each contender's lead over the average.
+
+        The topmost line is the leader's, and the area under it, down to the second, is the lead.
+        """
+        shapes: list[Shape] = [Box(*self._area, CARD, 12 * self._unit), *self._title_shapes(), *self._lane_shapes()]
+        if self._has_lines:
+            shapes += self._history_shapes()
+        for at_s in tick_seconds(self._info.duration_ms / 1000.0, self._width / (5.2 * self._small)):
+            x = min(self.x(1000.0 * at_s), self._left + self._width - 1.2 * self._small)
+            shapes.append(Label(x, self._foot, axis_time(at_s), self._small, DIM, 500, "center"))
+        return shapes
+
+    def present_shapes(self, time_ms: float) -> list[Shape]:
+        """Return the present as a line across; the contenders' lines lead to it and end in dots."""
+        x = self.x(time_ms)
+        present = Stroke(x, self._lane_top - 2.0, x, self._base, max(1.0, 1.6 * self._unit), WHITE)
+        if not self._has_lines:
+            return [present]
+        start = self._left + self._last_change * self._step
+        heights = [self._y(value) for value in over_average(self._scores[-1])]
+        lines, dot = self._line_styles(), max(3.0, 7.0 * self._unit)
+        shapes = self._lead_area(self._scores[-1], start, x)
+        shapes += [
+            Stroke(min(start, x), heights[contender], x, heights[contender], thick, color)
+            for contender, color, thick in lines
+        ]
+        shapes.append(present)
+        for contender, color, _ in lines[-_BRIGHT_LINES:]:
+            shapes.append(Box(x - dot / 2, heights[contender] - dot / 2, dot, dot, color, dot / 2))
+        return shapes
+
+    def _y(self, value: float) -> float:
+        """Return the vertical place of a lead over the average [pixels]."""
+        return self._zero - value * self._pixels
+
+    def _lane_shapes(self) -> list[Shape]:
+        """Return the catches over time: a lane for each contender, or one lane for all."""
+        shapes: list[Shape] = []
+        for row in range(self._lanes):
+            top = self._lane_top + row * self._pitch
+            shapes.append(Box(self._left, top, self._width, self._lane, TRACK, self._lane / 2))
+            if self._lanes > 1:
+                name = "" if self._info.has_teams else str(row)  # a team's colour is enough
+                position = (self._left - 0.5 * self._small, top + self._lane / 2)
+                shapes.append(Label(*position, name, self._small, self._colors[row], 700, "right"))
+        tick = max(self._step, min(3.0 * self._unit, 3.0), 1.5)
+        for part, catchers in enumerate(self._catchers):
+            for contender in sorted(catchers):
+                top = self._lane_top + (contender * self._pitch if self._lanes > 1 else 0.0)
+                x = self._left + (part + 0.5) * self._step - tick / 2
+                shapes.append(Box(x, top, tick, self._lane, self._colors[contender]))
+        return shapes
+
+    def _title_shapes(self) -> list[Shape]:
+        """Return the title, the leader with its lead, and the number of catches."""
+        left, right = self._area.left + 16 * self._unit, self._left + self._width
+        catches = "1 catch" if self.catches == 1 else f"{self.catches} catches"
+        leader, margin = lead(self._scores[-1])
+        title = "Catches" if self._alone else "Catches and lead"
+        room = right - left - text_width(catches, self._text, 500) - self._text
+        shapes: list[Shape] = [
+            Label(left, self._head, title, self._text, DIM, 500, max_width=room),
+            Label(right, self._head, catches, self._text, DIM, 500, "right"),
+        ]
+        lead_text = f"  +{margin}"
+        used = text_width(title, self._text, 500) + self._text
+        name_room = room - used - text_width(lead_text, self._text, 700)
+        if leader is not None and not self._alone and name_room > 3 * self._text:
+            name, color = self._info.contenders[leader].name, self._colors[leader]
+            width = text_width(truncated(name, self._text, 700, name_room), self._text, 700)
+            shapes += [
+                Label(left + used, self._head, name, self._text, color, 700, max_width=name_room),
+                Label(left + used + width, self._head, lead_text, self._text, color, 700),
+            ]
+        return shapes
+
+    def _history_shapes(self) -> list[Shape]:
+        """Return each contender's lead over the average, up to the last catch."""
+        color = mix(CARD, DIM, 0.4)
+        shapes: list[Shape] = [Stroke(self._left, self._zero, self._left + self._width, self._zero, 1.0, color)]
+        scores = self._scores
+        changes = [0, *(k for k in range(1, len(scores)) if scores[k] != scores[k - 1])]
+        heights = [[self._y(value) for value in over_average(scores[column])] for column in changes]
+        for start, end in pairwise(changes):
+            shapes += self._lead_area(scores[start], self._left + start * self._step, self._left + end * self._step)
+        for contender, color, thick in self._line_styles():
+            points = [(self._left, heights[0][contender])]
+            for start, column in zip(changes[1:], heights[1:], strict=True):
+                x = self._left + start * self._step
+                points += [(x, points[-1][1]), (x, column[contender])]
+            shapes.append(Path(tuple(points), thick, color))
+        return shapes
+
+    def _lead_area(self, scores: Sequence[int], left: float, right: float) -> list[Shape]:
+        """Return the area under the leader's line, down to the second's; no shapes for a tie."""
+        leader, margin = lead(scores)
+        left, right = round(left), round(right)  # whole pixels: no seams between one area and the next
+        if leader is None or right <= left:
+            return []
+        top = self._y(over_average(scores)[leader])
+        return [Box(left, top, right - left, margin * self._pixels, mix(self._colors[leader], CARD, 0.7))]
+
+    def _line_styles(self) -> list[tuple[int, Color, float]]:
+        """Return contender, colour and width of each line, the lowest first."""
+        scores = self._scores[-1]
+        order = sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))
+        faint, bright = order[:-_BRIGHT_LINES], order[-_BRIGHT_LINES:]
+        return [
+            (contender, mix(self._colors[contender], CARD, 0.65), max(1.0, 1.2 * self._unit)) for contender in faint
+        ] + [(contender, self._colors[contender], max(1.0, 2.2 * self._unit)) for contender in bright]
 
 
 def lead(scores: Sequence[int]) -> tuple[int | None, int]:
@@ -64,169 +209,6 @@ def over_average(scores: Sequence[int]) -> list[float]:
     """Return each score's lead over the average; a single score is returned as it is."""
     average = sum(scores) / len(scores) if len(scores) > 1 else 0.0
     return [score - average for score in scores]
-
-
-class _Chart:
-    """Layout of a timeline in its card, and its shapes."""
-
-    def __init__(self, area: Rect, info: MatchInfo, timeline: Timeline, unit: float) -> None:
-        self.area, self.info, self.timeline, self.unit = area, info, timeline, unit
-        self.text, self.small = font_size(14 * unit, 10), font_size(12 * unit, 9)
-        self.colors = [legible(contender.color) for contender in info.contenders]
-        self.alone = len(info.contenders) == 1
-        self.left, self.width = _span(area, unit)
-        self.step = self.width / COLUMNS
-        self.head = area.top + max(0.95 * self.text, min(0.11 * area.height, 22 * unit))
-        """Vertical place of the middle of the title [pixels]."""
-        self.foot = area.top + area.height - max(0.85 * self.small, min(0.08 * area.height, 18 * unit))
-        """Vertical place of the middle of the axis' labels [pixels]."""
-        self.lane_top = self.head + 0.95 * self.text
-        self.base = self.foot - 1.15 * self.small
-        room = self.base - self.lane_top
-        self.lanes = len(info.contenders) if room / 2.0 >= 1.25 * self.small * len(info.contenders) else 1
-        self.pitch = min(18.0 * unit, 0.5 * room / self.lanes)
-        self.lane = max(4.0, min(11.0 * unit, 0.7 * self.pitch))
-        self.top = self.lane_top + (self.lanes - 1) * self.pitch + self.lane + max(4.0, 0.05 * area.height)
-        self.has_lines = self.base - self.top >= 8
-        values = [value for scores in set(timeline.scores) for value in over_average(scores)] or [0.0]
-        highest, lowest = max(2.0, *values), 0.0 if self.alone else min(-2.0, *values)
-        self.pixels = (self.base - self.top) / (highest - lowest)
-        """Height of a lead of one catch over the average [pixels]."""
-        self.zero = self.base + lowest * self.pixels
-
-    def x(self, time_ms: float) -> float:
-        """Return the horizontal place of an instant [pixels]."""
-        return self.left + self.width * min(1.0, time_ms / max(1, self.timeline.duration_ms))
-
-    def y(self, value: float) -> float:
-        """Return the vertical place of a lead over the average [pixels]."""
-        return self.zero - value * self.pixels
-
-    def lane_shapes(self) -> list[Shape]:
-        """Return the catches over time: a lane for each contender, or one lane for all."""
-        shapes: list[Shape] = []
-        for row in range(self.lanes):
-            top = self.lane_top + row * self.pitch
-            shapes.append(Box(self.left, top, self.width, self.lane, TRACK, self.lane / 2))
-            if self.lanes > 1:
-                name = "" if self.info.has_teams else str(row)  # a team's colour is enough
-                position = (self.left - 0.5 * self.small, top + self.lane / 2)
-                shapes.append(Label(*position, name, self.small, self.colors[row], 700, "right"))
-        tick = max(self.step, min(3.0 * self.unit, 3.0), 1.5)
-        for part, catchers in enumerate(self.timeline.catchers):
-            for contender in sorted(catchers):
-                top = self.lane_top + (contender * self.pitch if self.lanes > 1 else 0.0)
-                x = self.left + (part + 0.5) * self.step - tick / 2
-                shapes.append(Box(x, top, tick, self.lane, self.colors[contender]))
-        return shapes
-
-    def title_shapes(self) -> list[Shape]:
-        """Return the title, the leader with its lead, and the number of catches."""
-        left, right = self.area.left + 16 * self.unit, self.left + self.width
-        catches = "1 catch" if self.timeline.catches == 1 else f"{self.timeline.catches} catches"
-        leader, margin = lead(self.timeline.scores[-1]) if self.timeline.scores else (None, 0)
-        title = "Catches" if self.alone else "Catches and lead"
-        room = right - left - text_width(catches, self.text, 500) - self.text
-        shapes: list[Shape] = [
-            Label(left, self.head, title, self.text, DIM, 500, max_width=room),
-            Label(right, self.head, catches, self.text, DIM, 500, "right"),
-        ]
-        lead_text = f"  +{margin}"
-        used = text_width(title, self.text, 500) + self.text
-        name_room = room - used - text_width(lead_text, self.text, 700)
-        if leader is not None and not self.alone and name_room > 3 * self.text:
-            name, color = self.info.contenders[leader].name, self.colors[leader]
-            width = text_width(truncated(name, self.text, 700, name_room), self.text, 700)
-            shapes += [
-                Label(left + used, self.head, name, self.text, color, 700, max_width=name_room),
-                Label(left + used + width, self.head, lead_text, self.text, color, 700),
-            ]
-        return shapes
-
-    def history_shapes(self) -> list[Shape]:
-        """Return each contender's lead over the average, up to the last catch."""
-        color = mix(CARD, DIM, 0.4)
-        shapes: list[Shape] = [Stroke(self.left, self.zero, self.left + self.width, self.zero, 1.0, color)]
-        scores = self.timeline.scores
-        if not scores:
-            return shapes
-        changes = [0, *(k for k in range(1, len(scores)) if scores[k] != scores[k - 1])]
-        heights = [[self.y(value) for value in over_average(scores[column])] for column in changes]
-        for start, end in pairwise(changes):
-            shapes += self.lead_area(scores[start], self.left + start * self.step, self.left + end * self.step)
-        for contender, color, thick in self.line_styles():
-            points = [(self.left, heights[0][contender])]
-            for start, column in zip(changes[1:], heights[1:], strict=True):
-                x = self.left + start * self.step
-                points += [(x, points[-1][1]), (x, column[contender])]
-            shapes.append(Path(tuple(points), thick, color))
-        return shapes
-
-    def lead_area(self, scores: Sequence[int], left: float, right: float) -> list[Shape]:
-        """Return the area under the leader's line, down to the second's; no shapes for a tie."""
-        leader, margin = lead(scores)
-        left, right = round(left), round(right)  # whole pixels: no seams between one area and the next
-        if leader is None or right <= left:
-            return []
-        top = self.y(over_average(scores)[leader])
-        return [Box(left, top, right - left, margin * self.pixels, mix(self.colors[leader], CARD, 0.7))]
-
-    def line_styles(self) -> list[tuple[int, Color, float]]:
-        """Return contender, colour and width of each line, the lowest first."""
-        scores = self.timeline.scores[-1]
-        order = sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))
-        faint, bright = order[:-_BRIGHT_LINES], order[-_BRIGHT_LINES:]
-        return [
-            (contender, mix(self.colors[contender], CARD, 0.65), max(1.0, 1.2 * self.unit)) for contender in faint
-        ] + [(contender, self.colors[contender], max(1.0, 2.2 * self.unit)) for contender in bright]
-
-
-def _span(area: Rect, unit: float) -> tuple[float, float]:
-    """Return the left end of the match's time in the card, and its width [pixels]."""
-    axis = 2.6 * font_size(12 * unit, 9)
-    return area.left + 16 * unit + axis, area.width - 32 * unit - axis
-
-
-def cursor_x(area: Rect, timeline: Timeline, time_ms: float, unit: float) -> float:
-    """Return the horizontal place of the present on the timeline [pixels]."""
-    left, width = _span(area, unit)
-    return left + width * min(1.0, time_ms / max(1, timeline.duration_ms))
-
-
-def timeline_shapes(area: Rect, info: MatchInfo, timeline: Timeline, unit: float) -> list[Shape]:
-    """Return the past: catches as ticks in their colours; below, each contender's lead over the average.
-
-    The topmost line is the leader's, and the area under it, down to the second, is the lead.
-    """
-    chart = _Chart(area, info, timeline, unit)
-    shapes: list[Shape] = [Box(*area, CARD, 12 * unit), *chart.title_shapes(), *chart.lane_shapes()]
-    if chart.has_lines:
-        shapes += chart.history_shapes()
-    for at_s in tick_seconds(timeline.duration_ms / 1000.0, chart.width / (5.2 * chart.small)):
-        x = min(chart.x(1000.0 * at_s), chart.left + chart.width - 1.2 * chart.small)
-        shapes.append(Label(x, chart.foot, axis_time(at_s), chart.small, DIM, 500, "center"))
-    return shapes
-
-
-def present_shapes(area: Rect, info: MatchInfo, timeline: Timeline, time_ms: float, unit: float) -> list[Shape]:
-    """Return the present as a line across; the contenders' lines lead to it and end in dots."""
-    chart = _Chart(area, info, timeline, unit)
-    x = chart.x(time_ms)
-    present = Stroke(x, chart.lane_top - 2.0, x, chart.base, max(1.0, 1.6 * unit), WHITE)
-    if not (chart.has_lines and timeline.scores):
-        return [present]
-    start = chart.left + timeline.last_change * chart.step
-    heights = [chart.y(value) for value in over_average(timeline.scores[-1])]
-    lines, dot = chart.line_styles(), max(3.0, 7.0 * unit)
-    shapes = chart.lead_area(timeline.scores[-1], start, x)
-    shapes += [
-        Stroke(min(start, x), heights[contender], x, heights[contender], thick, color)
-        for contender, color, thick in lines
-    ]
-    shapes.append(present)
-    for contender, color, _ in lines[-_BRIGHT_LINES:]:
-        shapes.append(Box(x - dot / 2, heights[contender] - dot / 2, dot, dot, color, dot / 2))
-    return shapes
 
 
 def tick_seconds(duration_s: float, max_ticks: float) -> list[float]:

@@ -7,31 +7,27 @@ from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart, k
 
 from catch_arena.render import hud
 from catch_arena.render.shapes import Label, Path
-from catch_arena.render.timeline import (
-    Timeline,
-    present_shapes,
-    timeline_shapes,
-)
+from catch_arena.render.timeline import Timeline
 
 
 @pytest.mark.parametrize("hunters", [1, 2, 4, 8, 64])
 @pytest.mark.parametrize("size", SIZES)
 def test_the_timeline_fits_its_card(size, hunters):
     plan, info = hud.arrange(size, "broadcast", hunters), an_info(hunters)
-    timeline = Timeline(info.duration_ms)
+    timeline = Timeline(plan.timeline, info, plan.unit)
     scores = [0] * hunters
     for time_ms in range(0, 60_000, 700):
         seat = (time_ms // 700) ** 2 % hunters
         scores[seat] += 1
         timeline.record(time_ms, [seat], scores)
-    shapes = timeline_shapes(plan.timeline, info, timeline, plan.unit)
+    shapes = timeline.past_shapes()
     assert_inside(shapes, plan.timeline)
-    assert_inside(present_shapes(plan.timeline, info, timeline, 59_990.0, plan.unit), plan.timeline)
+    assert_inside(timeline.present_shapes(59_990.0), plan.timeline)
     assert_texts_apart(shapes)
 
 
-def a_race() -> Timeline:
-    timeline = Timeline(60_000)
+def a_race(plan, info) -> Timeline:
+    timeline = Timeline(plan.timeline, info, plan.unit)
     timeline.record(0, [], [0, 0, 0])
     timeline.record(10_000, [0], [1, 0, 0])
     timeline.record(20_000, [0], [2, 0, 0])
@@ -41,7 +37,7 @@ def a_race() -> Timeline:
 
 def test_the_leader_is_named_with_its_lead_and_its_line_is_the_highest():
     plan, info = hud.arrange((1280, 720), "broadcast", 3), an_info(3)
-    shapes = timeline_shapes(plan.timeline, info, a_race(), plan.unit)
+    shapes = a_race(plan, info).past_shapes()
     texts = [label.text for label in kinds(shapes, Label)]
     assert info.names[0] in texts
     assert "  +1" in texts
@@ -54,6 +50,6 @@ def test_the_leader_is_named_with_its_lead_and_its_line_is_the_highest():
 def test_a_leader_of_any_name_is_named(name):
     plan = hud.arrange((1280, 720), "broadcast", 3)
     info = dataclasses.replace(an_info(3), names=(name, "b", "c"))
-    shapes = timeline_shapes(plan.timeline, info, a_race(), plan.unit)
+    shapes = a_race(plan, info).past_shapes()
     assert_inside(shapes, plan.timeline)
     assert_texts_apart(shapes)
