@@ -92,17 +92,19 @@ class MatchWindow:
         if world.step == 0:
             self._begin(world)
             return
-        motion = step_motion(self._motions[-1].after, world)
+        motion = step_motion(self._motion.after, world)
         self._motions.append(motion)
         self._renderer.enter(motion)
-        self._run(motion)
+        self._run()
+
+    @property
+    def _motion(self) -> StepMotion:
+        return self._motions[-1]
 
     def wait(self) -> None:
         """Draw one frame while an agent takes long, with the match as played until now."""
-        motion = self._motions[-1]
-        time_ms = motion.after.time_ms
-        self._draw(motion, time_ms, self._pointer(motion, time_ms) + self._line("waiting for an agent"))
-        self._events()
+        time_ms = self._motion.after.time_ms
+        self._draw(time_ms, self._pointer(time_ms) + self._line("waiting for an agent"))
         self._clock.tick()  # the match does not advance in this time
 
     def notify(self, text: str) -> None:
@@ -123,42 +125,44 @@ class MatchWindow:
         self._steps = 0
         self._paused = self._shows_help = False
         while not self._has_shown_help:
-            self._draw(motion, 0.0, self._keys_overlay("press any key to begin"))
-            for event in self._events():
+            for event in self._draw(0.0, self._keys_overlay("press any key to begin")):
                 if event.type in {pygame.KEYDOWN, pygame.JOYBUTTONDOWN} and not getattr(event, "mod", 0):
                     self._has_shown_help = True
         self._clock.tick()
 
-    def _run(self, motion: StepMotion) -> None:
-        """Show a step from its beginning to its end; a pause holds it at the end."""
-        time_ms = motion.before.time_ms + self._ahead_ms
-        end_ms = motion.after.time_ms
+    def _run(self) -> None:
+        """Show the latest step from its beginning to its end; a pause holds it at the end."""
+        time_ms = self._motion.before.time_ms + self._ahead_ms
+        end_ms = self._motion.after.time_ms
         while time_ms < end_ms:
-            self._draw(motion, time_ms, self._overlays(motion, time_ms))
-            self._events()
+            self._draw(time_ms, self._overlays(time_ms))
             time_ms += min(_LONGEST_FRAME_MS, self._clock.tick(_FPS)) * SPEEDS[self._speed]
         self._ahead_ms = time_ms - end_ms
         self._steps = max(0, self._steps - 1)
         while self._paused and not self._steps:
-            self._draw(motion, end_ms, self._overlays(motion, end_ms))
-            self._events()
+            self._draw(end_ms, self._overlays(end_ms))
             self._clock.tick(_FPS)
             self._ahead_ms = 0.0
 
     def show_result(self, result: MatchResult) -> None:
         """Show the podium until the user quits or restarts, unless the user has quit."""
-        heading, motion = "", self._motions[-1]
+        heading = ""
         if self._seat is not None:
             heading = overlays.verdict(self._info, Parties.of(self._info.config), result.ranks, result.scores)
         keys = self._line("R: restart    Ctrl-S: save    Esc: quit")
         with suppress(MatchStopped):
             while not self._stopped:
-                self._renderer.draw(motion.after.time_ms, motion.poses[-1])
-                self._renderer.draw_podium(heading=heading)
-                self._renderer.draw_over(self._note_shapes() or keys)
-                self._screen.show(self._renderer.pixels)
-                self._events()
+                self._draw(self._motion.after.time_ms, self._note_shapes() or keys, podium=heading)
                 self._clock.tick(_FPS)
+
+    def _draw(self, time_ms: float, over: list[Shape], podium: str | None = None) -> list[Any]:
+        """Draw a frame of the latest step, under the podium if it has a heading, and handle and return the events."""
+        self._renderer.draw(time_ms, self._motion.at(time_ms))
+        if podium is not None:
+            self._renderer.draw_podium(heading=podium)
+        self._renderer.draw_over(over)
+        self._screen.show(self._renderer.pixels)
+        return self._events()
 
     def _events(self) -> list[Any]:
         """Handle the events since the last call and return them."""
@@ -215,13 +219,8 @@ class MatchWindow:
         except OutputError as error:
             self.notify(str(error))
 
-    def _draw(self, motion: StepMotion, time_ms: float, over: list[Shape]) -> None:
-        self._renderer.draw(time_ms, motion.at(time_ms))
-        self._renderer.draw_over(over)
-        self._screen.show(self._renderer.pixels)
-
-    def _overlays(self, motion: StepMotion, time_ms: float) -> list[Shape]:
-        shapes = self._pointer(motion, time_ms)
+    def _overlays(self, time_ms: float) -> list[Shape]:
+        shapes = self._pointer(time_ms)
         if self._shows_help:
             return shapes + self._keys_overlay("H: continue")
         if self._paused:
@@ -231,23 +230,23 @@ class MatchWindow:
     def _out_shapes(self) -> list[Shape]:
         """R12.3: return a note that the person's prey is out, and until when; no shapes if it is not out."""
         index = -1 if self._seat is None else self._seat - self._info.config.hunters
-        caught_ms = self._motions[-1].after.prey[index].caught_ms if index >= 0 else None
+        caught_ms = self._motion.after.prey[index].caught_ms if index >= 0 else None
         if caught_ms is None:
             return []
         after_ms = self._info.config.prey_returns_ms
         until = "" if after_ms is None else f": you return at {(caught_ms + after_ms) / 1000:.1f} s"
         return self._line(f"you are out{until}")
 
-    def _pointer(self, motion: StepMotion, time_ms: float) -> list[Shape]:
+    def _pointer(self, time_ms: float) -> list[Shape]:
         """Return a pointer to the person's agent: in the first seconds, in a pause, and when its prey has returned."""
         if self._seat is None:
             return []
-        poses, since_ms = motion.at(time_ms), 0
+        poses, since_ms = self._motion.at(time_ms), 0
         if self._seat < self._info.config.hunters:
             place = poses.hunters[self._seat]
         else:
             name = self._info.config.prey_names[self._seat - self._info.config.hunters]
-            target = next((state for state in motion.after.targets if state.prey == name), None)
+            target = next((state for state in self._motion.after.targets if state.prey == name), None)
             if target is None:
                 return []
             place, since_ms = poses.targets[target.number], target.spawned_ms
