@@ -159,18 +159,10 @@ class MatchRenderer:
         world = self._motion.after
         self._record_standings(world, time_ms)
         self._arena.pixels[:] = self._ground.pixels
+        beliefs = self._beliefs(self._motion.before.step)
         self._arena.draw(
             scene.arena_shapes(
-                self.viewport,
-                self.info,
-                hunters=world.hunters,
-                poses=poses,
-                targets=[target for target in world.targets if target.spawned_ms <= time_ms],
-                annotations=self._annotations,
-                time_ms=time_ms,
-                view_of=self.view_of,
-                beliefs=self._beliefs(self._motion.before.step),
-                withdrawn_prey={score.agent for score in self._standings if score.hunted and score.withdrawn},
+                self.viewport, self.info, world, poses, self._annotations, time_ms, self.view_of, beliefs
             )
         )
         caption = self._commentary.caption

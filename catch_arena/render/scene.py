@@ -5,7 +5,7 @@ World units are metres, y up; shapes are in pixels, y down. raster.py turns shap
 """
 
 import math
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.render.annotations import Annotation, annotation_shapes
@@ -14,7 +14,7 @@ from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Color, Path, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
 from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, Viewport
 from catch_arena.replay.motion import Pose2D, Poses
-from catch_arena.world import HunterState, TargetState
+from catch_arena.world import HunterState, TargetState, World
 
 WALL: Final[Color] = (112, 127, 255)
 GRID: Final[Color] = (78, 95, 255)
@@ -55,33 +55,39 @@ def trail_shape(viewport: Viewport, way: Sequence[Pose2D], agent_color: Color | 
 def arena_shapes(
     viewport: Viewport,
     info: MatchInfo,
-    *,
-    hunters: Sequence[HunterState],
+    world: World,
     poses: Poses,
-    targets: Sequence[TargetState],
     annotations: Sequence[Annotation],
     time_ms: float,
     view_of: int | None = None,
     beliefs: Sequence[Belief] = (),
-    withdrawn_prey: Collection[int] = (),
 ) -> list[Shape]:
     """Return the shapes of everything that moves, appears or disappears, the lowest first.
 
-    `view_of` is the seat whose view is shown, `beliefs` are its beliefs, and `withdrawn_prey` are agents.
+    Args:
+        viewport: the arena in the picture.
+        info: names, colours and settings.
+        world: the world at the end of the step.
+        poses: all poses at an instant of this step.
+        annotations: the rulings that are shown.
+        time_ms: the instant.
+        view_of: the seat whose view is shown; None for no view.
+        beliefs: the beliefs of this seat.
     """
     shapes: list[Shape] = []
-    if view_of is not None and not hunters[view_of].withdrawn:
+    if view_of is not None and not world.hunters[view_of].withdrawn:
         if info.config.partial_view:
             shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
         shapes += [_belief(viewport, belief, info.color(view_of)) for belief in beliefs]
     places = dict(enumerate(poses.hunters))
-    for target in targets:
-        pose = poses.targets[target.number]
-        agent = None if target.prey is None else info.prey(target.prey)
-        if agent is not None:
-            places[agent] = pose
-        shapes += _target(viewport, target, pose, time_ms, faded=agent in withdrawn_prey)
-    for seat, hunter in enumerate(hunters):
+    withdrawn = {prey.target for prey in world.prey if prey.withdrawn}
+    for target in world.targets:
+        if target.spawned_ms <= time_ms:
+            pose = poses.targets[target.number]
+            if target.prey is not None:
+                places[info.prey(target.prey)] = pose
+            shapes += _target(viewport, target, pose, time_ms, faded=target.name in withdrawn)
+    for seat, hunter in enumerate(world.hunters):
         reach = info.config.reaches[seat] * viewport.scale
         shapes += _hunter(viewport, hunter, poses.hunters[seat], info.color(seat), reach, info.rings[seat])
     return shapes + annotation_shapes(viewport, info, places, annotations, time_ms)

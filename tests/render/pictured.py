@@ -26,17 +26,7 @@ def shapes_of(
 ) -> list:
     info = MatchInfo.of(ArenaConfig(hunters=len(world.hunters), **settings))
     viewport = Viewport(*size, world.side_m)
-    return scene.arena_shapes(
-        viewport,
-        info,
-        hunters=world.hunters,
-        poses=poses_of(world),
-        targets=world.targets,
-        annotations=annotations,
-        time_ms=time_ms,
-        view_of=view_of,
-        beliefs=beliefs,
-    )
+    return scene.arena_shapes(viewport, info, world, poses_of(world), annotations, time_ms, view_of, beliefs)
 
 
 def kinds(shapes, kind) -> list:
