@@ -59,6 +59,11 @@ class Rect(NamedTuple):
     width: int
     height: int
 
+    def split(self, height: int, gap: int) -> tuple["Rect", "Rect"]:
+        """Return the upper part of this height, and the rest below a gap."""
+        rest = self._replace(top=self.top + height + gap, height=self.height - height - gap)
+        return self._replace(height=height), rest
+
 
 EMPTY_RECT: Final = Rect(0, 0, 0, 0)
 
@@ -150,10 +155,9 @@ def arrange(size: tuple[int, int], layout: Layout, agents: int, teams: int = 0) 
     arena_width = min(round(0.66 * width), round(1.1 * (height - top - bottom)))
     arena = Rect(0, top, arena_width, height - top - bottom)
     beside = Rect(arena_width + gap, top, width - arena_width - 2 * gap, arena.height)
-    scores, beside = _with_teams(beside, unit, teams)
-    standings, feed = _with_feed(beside, unit, agents, 0)
     timeline = Rect(gap, height - bottom + gap, width - 2 * gap, bottom - 2 * gap)
-    return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, scores, standings, feed, timeline)
+    cards = _cards(beside, unit, agents, teams, timeline)
+    return Arrangement(arena, Rect(gap, gap // 2, width - 2 * gap, top - gap), unit, *cards)
 
 
 def frame_shape(size: tuple[int, int]) -> FrameShape:
@@ -162,47 +166,30 @@ def frame_shape(size: tuple[int, int]) -> FrameShape:
     return "landscape" if width >= WIDE * height else "portrait" if height >= WIDE * width else "square"
 
 
-def _cards(panel: Rect, unit: float, agents: int, teams: int) -> tuple[Rect, Rect, Rect, Rect]:
-    """Return the areas of the teams' scores, standings, event feed and timeline.
+def _cards(
+    panel: Rect, unit: float, agents: int, teams: int, timeline: Rect | None = None
+) -> tuple[Rect, Rect, Rect, Rect]:
+    """Return the areas of the teams' scores, standings, event feed and timeline, which lie one below the other.
 
-    They lie one below the other; in a wide panel the timeline lies next to the others.
+    The timeline may have a place of its own; in a wide panel it lies next to the others. The feed is left out if less
+    than two of its lines fit.
     """
     gap = round(14 * unit)
-    if panel.width > 1.6 * panel.height:
+    if timeline is None and panel.width > 1.6 * panel.height:
         half = (panel.width - gap) // 2
-        right = Rect(panel.left + half + gap, panel.top, panel.width - half - gap, panel.height)
-        scores, left = _with_teams(panel._replace(width=half), unit, teams)
-        return scores, *_with_feed(left, unit, agents, 0), right
-    scores, panel = _with_teams(panel, unit, teams)
-    least_height = min(round(0.36 * panel.height), round(TIMELINE * unit))
-    standings, feed = _with_feed(panel, unit, agents, least_height + gap)
-    last = feed if feed.height else standings
-    top = last.top + last.height + gap
-    height = min(panel.top + panel.height - top, round(0.95 * panel.width))
-    return scores, standings, feed, Rect(panel.left, top, panel.width, height)
-
-
-def _with_teams(panel: Rect, unit: float, teams: int) -> tuple[Rect, Rect]:
-    """Return the area of the card of the teams' scores, and the area that is left below it."""
-    if not 0 < teams <= MOST_TEAMS:
-        return EMPTY_RECT, panel
-    height, gap = min(round(TEAMS * unit), round(0.3 * panel.height)), round(14 * unit)
-    below = panel._replace(top=panel.top + height + gap, height=panel.height - height - gap)
-    return panel._replace(height=height), below
-
-
-def _with_feed(area: Rect, unit: float, agents: int, reserved: int) -> tuple[Rect, Rect]:
-    """Return the areas of the standings and of the feed below, if two of its lines fit above `reserved` pixels."""
-    gap = round(14 * unit)
-    wanted = round((MOST_FEED_LINES * FEED_ROW + 16) * unit) + gap + reserved
+        timeline = panel._replace(left=panel.left + half + gap, width=panel.width - half - gap)
+        panel = panel._replace(width=half)
+    scores = feed = EMPTY_RECT
+    if 0 < teams <= MOST_TEAMS:
+        scores, panel = panel.split(min(round(TEAMS * unit), round(0.3 * panel.height)), gap)
+    reserved = 0 if timeline else min(round(0.36 * panel.height), round(TIMELINE * unit)) + gap
     roomy, close = (round((agents * row + 16) * unit) for row in (ROW, CLOSE_ROW))
-    height = min(max(close, min(roomy, area.height - wanted)), area.height - reserved)
-    left = area.height - height - reserved - gap
-    rows = min(MOST_FEED_LINES, int((left - 16 * unit) / (FEED_ROW * unit)))
-    if rows < 2 or area.width < LEAST_FEED_WIDTH or agents == 1:  # a single agent has no rivals
-        return area._replace(height=height), EMPTY_RECT
-    feed = Rect(area.left, area.top + height + gap, area.width, round(rows * FEED_ROW * unit + 16 * unit))
-    return area._replace(height=height), feed
+    wanted = round((MOST_FEED_LINES * FEED_ROW + 16) * unit) + gap + reserved
+    standings, rest = panel.split(min(max(close, min(roomy, panel.height - wanted)), panel.height - reserved), gap)
+    rows = min(MOST_FEED_LINES, int((rest.height - reserved - 16 * unit) / (FEED_ROW * unit)))
+    if rows >= 2 and panel.width >= LEAST_FEED_WIDTH and agents > 1:  # a single agent has no rivals
+        feed, rest = rest.split(round(rows * FEED_ROW * unit + 16 * unit), gap)
+    return scores, standings, feed, timeline or rest._replace(height=min(rest.height, round(0.95 * panel.width)))
 
 
 def clock(time_ms: float) -> str:
