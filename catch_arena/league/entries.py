@@ -4,7 +4,7 @@ import base64
 import hashlib
 import shutil
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Literal
@@ -79,19 +79,19 @@ class Entry:
         return str(target / Path(self.submission.agent).relative_to(root))
 
 
-def find_entries(folder: Path, kind: Kind, without: Path | None = None) -> tuple[list[Entry], list[str]]:
-    """Return the entries in a folder, and warnings about files that are left out.
+def find_entries(folder: Path, kind: Kind, report: Callable[[str], None], without: Path | None = None) -> list[Entry]:
+    """Return the entries in a folder.
 
     Args:
         folder: the folder.
         kind: kind of its entries.
+        report: called with a warning about each file that is left out.
         without: file or folder in it that is no entry.
 
     Raises:
         ConfigError: if the folder cannot be read, or if its sub-folder `site` is an entry.
     """
     found: dict[str, list[Entry]] = {}
-    warnings: list[str] = []
     if (folder / SITE / IN_FOLDER).exists():
         raise ConfigError(f"{folder / SITE}: is the folder of the pages; rename this entry")
     try:
@@ -103,17 +103,17 @@ def find_entries(folder: Path, kind: Kind, without: Path | None = None) -> tuple
         try:
             submission = submission_at(path)
         except (CatchArenaError, OSError) as error:
-            warnings.append(f"{printable(path.name)} is left out: {_reason(error)}")
+            report(f"warning: {printable(path.name)} is left out: {_reason(error)}")
             continue
         if submission is not None:
-            entry = _entry(submission, kind, warnings)
+            entry = _entry(submission, kind, report)
             found.setdefault(entry.key.casefold(), []).append(entry)
     entries = []
     for same in found.values():
         names = " and ".join(one.submission.path.name for one in same if one.submission is not None)
         twice = f"{names} have one name; rename one of them" if len(same) > 1 else ""
         entries.append(replace(same[0], fault=twice, digest=_hash(twice)) if twice else same[0])
-    return entries, warnings
+    return entries
 
 
 def shipped_entries(group: int) -> list[Entry]:
@@ -144,8 +144,8 @@ def entrant_name(entry: Entry, number: int, taken: Sequence[Entrant]) -> str:
     return next(one for one in (name, *(f"{name}#{copy}" for copy in range(2, len(names) + 3))) if one not in names)
 
 
-def _entry(submission: Submission, kind: Kind, warnings: list[str]) -> Entry:
-    """Return the entry of a submission; faults of its name and photo are added to the warnings."""
+def _entry(submission: Submission, kind: Kind, report: Callable[[str], None]) -> Entry:
+    """Return the entry of a submission, and report faults of its name and photo."""
     key = submission.name if kind == "person" else f"{kind}/{submission.name}"
     # the name must not change if other opponents come
     name = submission.name if kind == "person" else f"secret opponent {_hash(key)[:4]}"
@@ -163,7 +163,7 @@ def _entry(submission: Submission, kind: Kind, warnings: list[str]) -> Entry:
             entry = replace(entry, name=_shown_name(submission))
             entry = replace(entry, photo=_photo(submission))
     except (ConfigError, OSError) as error:
-        warnings.append(f"{key}: {_reason(error)}")
+        report(f"warning: {key}: {_reason(error)}")
     return entry
 
 

@@ -167,14 +167,11 @@ def update_league(
     parties = Parties.of(rules.config)
     if parties.group < 2:
         raise ConfigError(f"scenario must have two parties that compete, got {rules.scenario}")
-    entries, warnings = find_entries(folder, "person", rules.secret_opponents)
+    entries = find_entries(folder, "person", report, rules.secret_opponents)
     if not entries:
         raise ConfigError(f"{folder}: has no entry; it needs a .py file or a sub-folder for each person")
     if rules.secret_opponents is not None:
-        opponents, further = find_entries(rules.secret_opponents, "secret")
-        entries, warnings = [*opponents, *entries], [*warnings, *further]
-    for warning in warnings:
-        report(f"warning: {warning}")
+        entries = [*find_entries(rules.secret_opponents, "secret", report), *entries]
     entries = with_own_names([*shipped_entries(parties.group), *entries])
     with _opened(folder, rules, secret) as store:
         before = store.count_played()
