@@ -127,7 +127,7 @@ def _lines(league: League) -> list[Line]:
 def _status(league: League, entrant: int | None) -> str:
     if entrant is None:
         return "did not pass the check"
-    if entrant in league.excluded:
+    if entrant in league.streaks.excluded:
         return "stopped: too many forfeits in a row"
     if league.is_waiting(entrant):
         return "waits for further matches"

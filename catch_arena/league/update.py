@@ -2,9 +2,9 @@
 
 import math
 import shutil
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager, ExitStack, suppress
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property, partial
 from pathlib import Path
@@ -32,7 +32,6 @@ from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import block_of
-from catch_arena.tournament.players import Fault
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 from catch_arena.tournament.statistics.outcomes import Outcomes
@@ -75,38 +74,49 @@ class Checked(NamedTuple):
     log: str = ""
 
 
-@dataclass(frozen=True)
+@dataclass
 class League:
-    """A league after a run."""
+    """A league in a run, and after it."""
 
     folder: Path
     rules: Rules
     entries: Sequence[Entry]
-    """Present entries: persons, secret opponents, and agents that come with the package."""
+    """Present entries: agents that come with the package, secret opponents, and persons."""
     versions: Mapping[str, Sequence[Version]]
     """Versions of each entry, by its key, the oldest first; also of entries that are gone."""
-    current: Mapping[str, int]
-    """Entrant that plays for each present entry, by its key; an entry has none until a version passes the check."""
     entrants: Sequence[Entrant]
-    played: Sequence[PlayedMatch]
+    played: list[PlayedMatch]
     """Matches that are kept, in the order of the plan."""
-    evidence: Evidence
-    excluded: Mapping[int, Fault]
-    """Entrants that play no more, since they forfeited too many matches in a row."""
     ratings: Sequence[RatingThen]
     """Ratings after each run, in the order of time."""
+    evidence: Evidence = field(default_factory=Evidence)
+    """Evidence of the matches so far about the present entrants."""
     new_matches: int = 0
     """Number of matches that this run played."""
+
+    def __post_init__(self) -> None:
+        self.parties = Parties.of(self.rules.config)
+        self.streaks = ForfeitStreaks(_MOST_FORFEITS)
+        """Versions that play no more, since they forfeited too many matches in a row."""
+        self.streaks.add(self.played)
 
     @property
     def state(self) -> Path:
         """Folder of the league's own files."""
         return self.folder / STATE
 
-    @property
-    def parties(self) -> Parties:
-        """Parties of a match."""
-        return Parties.of(self.rules.config)
+    @cached_property
+    def current(self) -> Mapping[str, int]:
+        """Entrant that plays for each present entry, by its key; an entry has none until a version passes the check."""
+        found = {one.key: _current(one, self.versions.get(one.key, ())) for one in self.entries}
+        return {key: index for key, index in found.items() if index is not None}
+
+    @cached_property
+    def persons(self) -> frozenset[int]:
+        """Entrants that play for persons."""
+        return frozenset(
+            self.current[one.key] for one in self.entries if one.kind == "person" and one.key in self.current
+        )
 
     @cached_property
     def numbers(self) -> Mapping[str, int]:
@@ -116,7 +126,7 @@ class League:
 
     @cached_property
     def parts(self) -> Mapping[int, Sequence[Part]]:
-        """Matches of each entrant, in the order of the plan."""
+        """Matches of each entrant, in the order of the plan; for use after the run."""
         return parts_of_entrants(self.played)
 
     def is_placed(self, entrant: int) -> bool:
@@ -131,7 +141,7 @@ class League:
     def is_waiting(self, entrant: int) -> bool:
         """Return whether an entrant plays further matches until it has its place."""
         matches = self.evidence.blocks.get(entrant, 0) * self.parties.block_size
-        return entrant not in self.excluded and not self.is_placed(entrant) and matches < self.rules.max_matches
+        return entrant not in self.streaks.excluded and not self.is_placed(entrant) and matches < self.rules.max_matches
 
 
 def update_league(
@@ -174,16 +184,20 @@ def update_league(
         entries = [*find_entries(rules.secret_opponents, "secret", report), *entries]
     entries = with_own_names([*shipped_entries(parties.group), *entries])
     with _opened(folder, rules, secret) as store:
-        before = store.count_played()
-        _add_versions(store, folder, rules, entries, jobs, store.time_after(now), report)
-        league = _play(store, folder, rules, entries, executor_of, on_progress)
-        last = [replace(one, time="") for one in league.ratings if one.time == league.ratings[-1].time]
-        ratings = sorted(_ratings_now(league), key=lambda one: one.entrant)
-        if last != ratings:  # also if a run before was killed after its matches
-            time = store.time_after(now)
-            store.add_ratings(replace(one, time=time) for one in ratings)
+        _add_versions(store, rules, entries, jobs, store.time_after(now), report)
+        versions: dict[str, list[Version]] = {}
+        for version in store.versions():
+            versions.setdefault(version.entry, []).append(version)
+        entrants = store.tournament.entrants
+        league = League(folder, rules, entries, versions, entrants, [*store.played()], store.ratings())
+        _play(store, league, executor_of, on_progress)
+        time = store.time_after(now)
+        ratings = _ratings(league, time)
+        if ratings != [replace(one, time=time) for one in league.ratings if one.time == league.ratings[-1].time]:
+            store.add_ratings(ratings)  # also if a run before was killed after its matches
+            league.ratings = store.ratings()
         _remove_old(store, league)
-        return replace(league, ratings=store.ratings(), new_matches=len(league.played) - before)
+        return league
 
 
 def _opened(folder: Path, rules: Rules, secret: Secret | None) -> AbstractContextManager[LeagueStore]:
@@ -201,7 +215,6 @@ def _opened(folder: Path, rules: Rules, secret: Secret | None) -> AbstractContex
 
 def _add_versions(
     store: LeagueStore,
-    folder: Path,
     rules: Rules,
     entries: Sequence[Entry],
     jobs: int,
@@ -212,7 +225,7 @@ def _add_versions(
     known = store.versions()
     before = {(one.entry, one.digest) for one in known}
     new = {one.key for one in entries if (one.key, one.digest) not in before}
-    copies = prepare_folder(folder / STATE / _COPIES)
+    copies = prepare_folder(store.path.parent / _COPIES)
     passed = {(one.entry, one.digest) for one in known if one.entrant is not None}
     agents: dict[str, str] = {}
     for entry in entries:
@@ -288,54 +301,43 @@ def _without_copies(text: str, agent: str) -> str:
 
 def _play(
     store: LeagueStore,
-    folder: Path,
-    rules: Rules,
-    entries: Sequence[Entry],
+    league: League,
     executor_of: Callable[[Worker], Executor],
     on_progress: Callable[[int, int], None],
-) -> League:
+) -> None:
     """Play until no present entry waits for its place."""
-    about, parties = store.tournament, Parties.of(rules.config)
-    entrants = about.entrants
-    versions: dict[str, list[Version]] = {}
-    for version in store.versions():
-        versions.setdefault(version.entry, []).append(version)
-    current = {one.key: index for one in entries if (index := _current(one, versions.get(one.key, ()))) is not None}
-    playing = {*current.values()}
-    persons = {current[one.key] for one in entries if one.kind == "person" and one.key in current}
+    secret, parties, rules = store.tournament.secret, league.parties, league.rules
+    playing = {*league.current.values()}
     able = tuple(
-        replace(one, spec=_present_path(one.spec, folder)) if index in playing else replace(one, fault="is old")
-        for index, one in enumerate(entrants)
+        replace(one, spec=_present_path(one.spec, league.folder)) if index in playing else replace(one, fault="is old")
+        for index, one in enumerate(league.entrants)
     )
-    played, streaks = list(store.played()), ForfeitStreaks(_MOST_FORFEITS)
-    streaks.add(played)
-    ratings, zero = store.ratings(), current.get(entries[0].key, -1)
-    before, (rounds, first) = len(played), store.next_block()
+    before, (rounds, first) = len(league.played), store.next_block()
     number = first
+    zero = league.current.get(league.entries[0].key, -1)
     executor: Executor | None = None
     with ExitStack() as stack:
         while True:
-            pool = sorted(playing - {*streaks.excluded})
-            evidence = weigh(Outcomes.of(len(entrants), on_side(played)), zero, playing)
-            league = League(
-                folder, rules, entries, versions, current, entrants, played, evidence, streaks.excluded, ratings
-            )
+            pool = sorted(playing - {*league.streaks.excluded})
+            league.evidence = weigh(Outcomes.of(len(league.entrants), on_side(league.played)), zero, playing)
+            league.new_matches = len(league.played) - before
             waiting = sorted(
-                filter(league.is_waiting, persons & {*pool}), key=lambda index: evidence.blocks.get(index, 0)
+                filter(league.is_waiting, league.persons & {*pool}),
+                key=lambda index: league.evidence.blocks.get(index, 0),
             )
-            on_progress(len(played) - before, len(played) - before + _matches_left(league, waiting))
+            on_progress(league.new_matches, league.new_matches + _matches_left(league, waiting))
             if not waiting or len(pool) < parties.group:
-                return league
+                return
             if executor is None:
                 executor = stack.enter_context(executor_of(Worker(rules.config, able, True, rules.quotas)))
-            draw = partial(about.secret.part("groups", number).seed, "groups")
-            groups = next_blocks(waiting, pool, evidence, parties.group, draw)
+            draw = partial(secret.part("groups", number).seed, "groups")
+            groups = next_blocks(waiting, pool, league.evidence, parties.group, draw)
             blocks = [
-                block_of(players, about.secret, block, f"r{rounds + 1:05d}-g{block - first + 1:06d}", parties)
+                block_of(players, secret, block, f"r{rounds + 1:05d}-g{block - first + 1:06d}", parties)
                 for block, players in enumerate(groups, number)
             ]
             number += len(groups)
-            play_and_store(store, blocks, executor, streaks, played.extend)
+            play_and_store(store, blocks, executor, league.streaks, league.played.extend)
 
 
 def _present_path(spec: str, folder: Path) -> str:
@@ -362,15 +364,17 @@ def _current(entry: Entry, versions: Sequence[Version]) -> int | None:
     return next((index for index in (*present, *reversed(passed)) if index is not None), None)
 
 
-def _ratings_now(league: League) -> Iterator[RatingThen]:
-    """Yield the ratings of the present entries, without a time."""
-    found = {index: rating for index in league.current.values() if (rating := league.evidence.ratings.get(index))}
-    persons = {league.current[one.key] for one in league.entries if one.kind == "person" and one.key in league.current}
-    order = sorted(persons & {*found}, key=lambda index: -found[index].mean)
-    for index, rating in found.items():
-        place = order.index(index) + 1 if index in order else None
-        low, high = (None, None) if math.isnan(rating.low) else (rating.low, rating.high)
-        yield RatingThen(index, "", place, rating.mean, low, high)
+def _ratings(league: League, time: str) -> list[RatingThen]:
+    """Return the ratings of the present entrants, in the order of the store."""
+    found = league.evidence.ratings
+    order = sorted(league.persons & {*found}, key=lambda index: -found[index].mean)
+    places = {index: place for place, index in enumerate(order, 1)}
+    return [
+        RatingThen(
+            index, time, places.get(index), one.mean, *(None if math.isnan(end) else end for end in (one.low, one.high))
+        )
+        for index, one in sorted(found.items())
+    ]
 
 
 def _remove_old(store: LeagueStore, league: League) -> None:
