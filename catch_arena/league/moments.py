@@ -7,7 +7,7 @@ from typing import Final, NamedTuple
 from catch_arena.classroom.moments import Moment, lead, moment_of
 from catch_arena.explanation import explain
 from catch_arena.replay import Replay
-from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.match import Forfeit, PlayedMatch
 from catch_arena.tournament.parties import Parties
 
 _NEWEST: Final = 3
@@ -19,6 +19,11 @@ class Part(NamedTuple):
 
     one: PlayedMatch
     party: int
+
+    @property
+    def forfeit(self) -> Forfeit | None:
+        """Its failure in the match; None if it did not fail."""
+        return self.one.result.forfeits[self.party]
 
 
 def parts_of_entrants(played: Sequence[PlayedMatch]) -> Mapping[int, list[Part]]:
@@ -40,8 +45,7 @@ def best_and_worst(parts: Sequence[Part], parties: Parties) -> tuple[Part, Part]
         return None
 
     def goodness(part: Part) -> tuple[bool, int]:
-        forfeit = part.one.result.forfeits[part.party]
-        return forfeit is None or not forfeit.step, lead(part.one.result, part.party, parties.hunting)
+        return part.forfeit is None or not part.forfeit.step, lead(part.one.result, part.party, parties.hunting)
 
     return max(hunted, key=goodness), min(hunted, key=goodness)
 

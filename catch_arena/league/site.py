@@ -151,10 +151,10 @@ def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapp
         meetings=_meetings(
             parts, league, {league.current[one.entry.key]: one for one in lines if one.entry.key in league.current}
         ),
-        matches=[_match(part, league) for part in reversed(parts[-_MATCHES:])],
-        forfeits=[_forfeit(part, league) for part in reversed(parts) if part.one.result.forfeits[part.party]][
-            :_MATCHES
-        ],
+        matches=[*reversed(parts[-_MATCHES:])],
+        forfeits=[part for part in reversed(parts) if part.forfeit][:_MATCHES],
+        entrants=league.entrants,
+        parties=league.parties,
         moments=moments,
         log="" if index is None else _log(league, index),
         policy=page_policy(element, script),
@@ -169,7 +169,7 @@ def _moments(league: League, parts: Sequence[Part]) -> list[tuple[str, Moment]]:
     found = best_and_worst(parts, league.parties)
     moments = []
     for heading, part in zip(("The best moment", "The worst moment"), found or (), strict=False):
-        forfeit, seat = part.one.result.forfeits[part.party], league.parties.seats[part.party][0]
+        forfeit, seat = part.forfeit, league.parties.seats[part.party][0]
         if forfeit is not None and (not forfeit.step or heading == "The best moment"):
             continue
         try:
@@ -198,27 +198,6 @@ def _meetings(parts: Iterable[Part], league: League, lines: Mapping[int, Line]) 
         {"line": lines[other], "name": league.entrants[other].name, "wins": wins, "ties": ties, "losses": losses}
         for other, (wins, ties, losses) in sorted(found.items(), key=lambda one: -sum(one[1]))
     ]
-
-
-def _match(part: Part, league: League) -> dict[str, Any]:
-    one, hunting = part.one, league.parties.hunting
-    others = [
-        (league.entrants[index].name, one.result.scores[party])
-        for party, index in enumerate(one.match.seating[:hunting])
-        if party != part.party
-    ]
-    return {
-        "title": one.match.title(league.parties.block_size),
-        "rank": one.result.ranks[part.party],
-        "score": one.result.scores[part.party],
-        "others": others,
-        "prey": part.party >= hunting,
-        "forfeit": one.result.forfeits[part.party],
-    }
-
-
-def _forfeit(part: Part, league: League) -> tuple[str, str]:
-    return part.one.match.title(league.parties.block_size), without_folders(str(part.one.result.forfeits[part.party]))
 
 
 def _log(league: League, entrant: int) -> str:
