@@ -27,13 +27,7 @@ Variants = Iterator[tuple[str, ArbiterCase]]
 
 
 class ArbiterRunner:
-    """Plays one case on an arbiter.
-
-    Args:
-        arbiter: the arbiter.
-        case: the case; a lot whose seat is known must draw it.
-        compared: the parts of the answers that are compared.
-    """
+    """Plays one case on an arbiter. A lot of which the case knows the drawn seat must draw it."""
 
     def __init__(self, arbiter: Arbiter, case: ArbiterCase, compared: Compared) -> None:
         self._arbiter = arbiter
