@@ -66,11 +66,11 @@ class Entry:
         try:
             if not target.exists():
                 shutil.rmtree(unfinished, ignore_errors=True)
+                copies = []
                 for path in _files(self.submission):
-                    copy = unfinished / path.relative_to(root)
+                    copies.append(copy := unfinished / path.relative_to(root))
                     copy.parent.mkdir(parents=True, exist_ok=True)
                     shutil.copyfile(path, copy)
-                copies = [unfinished / path.relative_to(root) for path in _files(self.submission)]
                 if _digest(copies, unfinished) != self.digest:
                     raise ConfigError("its files change; the next run takes them")
                 unfinished.rename(target)

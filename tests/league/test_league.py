@@ -257,6 +257,22 @@ def test_files_that_change_while_they_are_copied_wait_for_the_next_run(ran, monk
     assert "cid: version 1 enters" in league(ran).output
 
 
+def test_a_file_that_comes_while_others_are_copied_belongs_to_the_next_version(ran, monkeypatch):
+    (ran / "cid.py").write_text(agent("return 0  # cid"))
+    copy = shutil.copyfile
+
+    def copy_and_add(path, target):
+        copy(path, target)
+        path.with_suffix(".txt").write_text("weights")
+
+    monkeypatch.setattr(shutil, "copyfile", copy_and_add)
+    done = league(ran)
+    assert done.exit_code == 0, done.output
+    assert "cid: version 1 enters" in done.output
+    monkeypatch.undo()
+    assert "cid: version 2 enters" in league(ran).output
+
+
 def test_an_entry_called_site_is_refused(ran):
     (ran / "site" / "agent.py").write_text(agent())
     done = league(ran)
