@@ -30,8 +30,6 @@ from catch_arena.world import World
 SMALLEST: Final = 320
 LARGEST: Final = (3840, 2160)
 NOTEBOOK_SIZE: Final = (800, 450)
-_OBSERVED_AHEAD: Final = 2
-"""Number of steps that `timing.frame_spans` reads before it yields the first of them."""
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:
@@ -114,11 +112,9 @@ class MatchRenderer:
     def observe(self, step: int, observations: NDArray[np.float32]) -> None:
         """Keep the hunters' observations (H, D) after `step` steps, from which beliefs are drawn if views have noise.
 
-        Only the latest states are kept: call this before the step that begins there is drawn, at most two steps ahead.
+        Call this before the step that begins there is entered; observations before that step are then dropped.
         """
         if self.info.config.view_noise_m:
-            recent = range(step - _OBSERVED_AHEAD, step)
-            self._observations = {old: seen for old, seen in self._observations.items() if old in recent}
             self._observations[step] = observations.copy()
 
     def enter(self, motion: StepMotion) -> None:
@@ -132,6 +128,7 @@ class MatchRenderer:
         else:
             self._poses = motion.poses[0]
         self._motion = motion
+        self._observations = {step: seen for step, seen in self._observations.items() if step >= motion.before.step}
         annotations = annotations_of(motion.before, motion.after, by_lot=self.info.by_lot)
         self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
         self._feed = with_items(self._feed, annotations)
