@@ -71,8 +71,7 @@ class MatchWindow:
         self._view_of: int | None = None
         self._renderer = self._new_renderer(size)
         self._motions: list[StepMotion] = []
-        self._resized_s: float | None = None
-        self._resizing = size
+        self._size, self._size_since_s = size, 0.0
         self._stopped = self._paused = self._shows_help = False
         self._has_shown_help = seat is None
         self._speed = SPEEDS.index(1.0)
@@ -274,11 +273,9 @@ class MatchWindow:
     def _fit(self) -> None:
         """Replace the renderer if the window keeps a new size, and enter all past motions into the new one."""
         size, now_s = self._screen.size, time.monotonic()
-        if size == self._drawn_size:
-            self._resized_s = None
-        elif self._resized_s is None or size != self._resizing:
-            self._resized_s, self._resizing = now_s, size
-        elif now_s - self._resized_s > _SETTLED_S:
+        if size != self._size:
+            self._size, self._size_since_s = size, now_s
+        elif size != self._drawn_size and now_s - self._size_since_s > _SETTLED_S:
             self._renderer = self._new_renderer(size)
             for past in self._motions:
                 self._renderer.enter(past)
