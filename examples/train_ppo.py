@@ -314,14 +314,14 @@ AGENT = '''"""Agent that PPO has trained; its weights are in the .npz file next 
 
 from pathlib import Path
 
-from catch_arena.training.pointer import PointerAgent
+{hunts}from catch_arena.training.{module} import {base}
 
 
-class Agent(PointerAgent):
-    """Agent that drives or chases as its network decides."""
+class {kind}({base}):
+    """Agent that plays as its network decides."""
 
     def __init__(self) -> None:
-        super().__init__(Path(__file__).with_suffix(".npz"))
+        super().__init__(Path(__file__).with_suffix(".npz"){more})
 '''
 
 
@@ -408,10 +408,11 @@ class Learner:
         torch.set_rng_state(state["random"])
 
 
-def export(network: PointerNetwork, folder: Path, name: str) -> None:
-    """Write an agent for any tournament: its file, and its weights next to it."""
+def export(network: Any, folder: Path, name: str, **words: str) -> None:
+    """Write an agent for any tournament: its file, with these words in AGENT, and its weights next to it."""
     network.save(prepare_folder(folder) / f"{name}.npz")
-    (folder / f"{name}.py").write_text(AGENT)
+    usual = {"hunts": "", "module": "pointer", "kind": "Agent", "base": "PointerAgent", "more": ""}
+    (folder / f"{name}.py").write_text(AGENT.format(**usual | words))
 
 
 def train() -> None:

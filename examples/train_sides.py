@@ -40,7 +40,7 @@ except ModuleNotFoundError:
 import train_ppo as ppo
 
 from catch_arena.config import ArenaConfig, RewardWeights
-from catch_arena.files import prepare_folder, whole_file
+from catch_arena.files import whole_file
 from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
@@ -243,27 +243,14 @@ class Learner:
 
     def export(self, folder: Path, name: str) -> None:
         """Write an agent for any tournament, with its weights next to it."""
-        if self.pointer:
-            ppo.export(self.network.actor(), folder, name)
-            return
-        self.network.mlp().save(prepare_folder(folder) / f"{name}.npz")
-        kind, hunts = ("Prey", HUNTS) if self.side == "prey" else ("Agent", "")
-        (folder / f"{name}.py").write_text(AGENT.format(hunts=hunts, kind=kind, scenario=self.settings.scenario))
+        words = {}
+        if not self.pointer:
+            words = {"module": "flat", "base": "FlatAgent", "more": f', "{self.settings.scenario}"'}
+        if self.side == "prey":
+            words |= {"kind": "Prey", "hunts": HUNTS}
+        ppo.export(self.frozen().network, folder, name, **words)
 
 
-AGENT = '''"""Agent that PPO has trained; its weights are in the .npz file next to this one."""
-
-from pathlib import Path
-
-{hunts}from catch_arena.training.flat import FlatAgent
-
-
-class {kind}(FlatAgent):
-    """Agent that takes one of a few commands."""
-
-    def __init__(self) -> None:
-        super().__init__(Path(__file__).with_suffix(".npz"), "{scenario}")
-'''
 HUNTS = "from catch_arena.agents.nearest import Agent as Agent  # each entrant of a tournament hunts too\n"
 
 
