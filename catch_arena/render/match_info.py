@@ -27,8 +27,12 @@ A test measures this.
 _COLOR_NAMES: Final = ("amber", "mint", "pink", "lime", "red", "sky", "green", "purple")
 _TEAM_COLORS: Final = (0, 1, 7, 6, 2, 5, 4, 3)
 """Colours of teams, in this order: the first four stay apart in all shades of their members."""
-_SHADES: Final = (("", WHITE, 0.0), ("light ", WHITE, 0.42), ("dark ", INK, 0.3))
-"""Shades for more than eight colours: prefix of the name, colour that is mixed in, and its part."""
+_PALETTE: Final = tuple(
+    (shade + name, mix(color, added, part))
+    for shade, added, part in (("", WHITE, 0.0), ("light ", WHITE, 0.42), ("dark ", INK, 0.3))
+    for name, color in zip(_COLOR_NAMES, HUNTER_COLORS, strict=True)
+)
+"""Names and colours by number: the eight, then the same lighter, then darker; after that they repeat."""
 _MEMBER_SHADES: Final = ((INK, 0.0), (INK, 0.15), (WHITE, 0.2), (INK, 0.28))
 """Colour and part that are mixed into the colour of a team or an agent, by its hunters; they repeat, since hunters have
 numbers too.
@@ -144,7 +148,7 @@ class MatchInfo:
 
 def agent_color(config: ArenaConfig, number: int) -> Color:
     """Return the colour of an agent of a tournament, or of its teams, in all videos and pages of the tournament."""
-    return _color(number if config.teams is None else _team_number(number))
+    return _named_color(number if config.teams is None else _team_number(number))[1]
 
 
 def _color_numbers(config: ArenaConfig, given: Sequence[int]) -> tuple[int, ...]:
@@ -157,27 +161,20 @@ def _color_numbers(config: ArenaConfig, given: Sequence[int]) -> tuple[int, ...]
 
 
 def _hunter_colors(numbers: Sequence[int]) -> tuple[Color, ...]:
-    """Return the hunters' colours by seat: eight, then the same eight lighter, then darker, and again.
-
-    Several hunters of one agent or team have shades of its colour.
-    """
+    """Return the hunters' colours by seat; several hunters of one agent or team have shades of its colour."""
     shades = [_MEMBER_SHADES[numbers[:seat].count(number) % len(_MEMBER_SHADES)] for seat, number in enumerate(numbers)]
-    return tuple(mix(_color(number), *shade) for number, shade in zip(numbers, shades, strict=True))
+    return tuple(mix(_named_color(number)[1], *shade) for number, shade in zip(numbers, shades, strict=True))
 
 
 def _team_number(team: int) -> int:
     """Return the number of a team's colour."""
-    rounds, place = divmod(team, len(_TEAM_COLORS))
-    return rounds * len(_TEAM_COLORS) + _TEAM_COLORS[place]
+    place = team % len(_TEAM_COLORS)
+    return team - place + _TEAM_COLORS[place]
 
 
-def _color(number: int) -> Color:
-    _, shade, part = _SHADES[number // len(HUNTER_COLORS) % len(_SHADES)]
-    return mix(HUNTER_COLORS[number % len(HUNTER_COLORS)], shade, part)
-
-
-def _color_name(number: int) -> str:
-    return _SHADES[number // len(HUNTER_COLORS) % len(_SHADES)][0] + _COLOR_NAMES[number % len(HUNTER_COLORS)]
+def _named_color(number: int) -> tuple[str, Color]:
+    """Return the name of a colour, and the colour, by its number."""
+    return _PALETTE[number % len(_PALETTE)]
 
 
 def _contenders(config: ArenaConfig, names: Sequence[str], numbers: Sequence[int]) -> tuple[Contender, ...]:
@@ -191,6 +188,7 @@ def _contenders(config: ArenaConfig, names: Sequence[str], numbers: Sequence[int
     agents = [{names[seat] for seat in seats} for seats in config.teams]
     contenders = []
     for team, seats in enumerate(config.teams):
-        number, alone = numbers[seats[0]], len(agents[team]) == 1 and agents.count(agents[team]) == 1
-        contenders.append(Contender(names[seats[0]] if alone else _color_name(number), _color(number), seats))
+        name, color = _named_color(numbers[seats[0]])
+        alone = len(agents[team]) == 1 and agents.count(agents[team]) == 1
+        contenders.append(Contender(names[seats[0]] if alone else name, color, seats))
     return tuple(contenders)
