@@ -74,21 +74,22 @@ class Screen:
 class Window:
     """Window that shows an env's match while it is stepped, in motion and at the match's own pace.
 
-    It opens with its first picture. After its user closes it, it stays closed: further steps are not shown, and the
-    match goes on without waiting for real time.
+    After its user closes it, it stays closed: further steps are not shown, and the match goes on without waiting for
+    real time.
 
     Args:
         title: the text in the window's title bar.
         size: (width, height) [pixels].
+
+    Raises:
+        OutputError: if there is no display.
     """
 
     def __init__(self, title: str, size: tuple[int, int]) -> None:
-        self._title = title
-        self._size = size
-        self._screen: Screen | None = None
+        self._screen = Screen(title, size)
         self._due_s = 0.0
         self.closed = False
-        """True after the user or `close` has closed the window, or if it could not open."""
+        """True after the user or `close` has closed the window."""
 
     def play(self, picture: Callable[[float], NDArray[np.uint8]], lasts_ms: float) -> None:
         """Show a step from its beginning to its end, then return; a late step is shown in the rest of its time.
@@ -96,18 +97,9 @@ class Window:
         Args:
             picture: function that draws (height, width, 3 or 4) at a part of the step in (0, 1].
             lasts_ms: the step's time [ms], 0 for a picture that follows no other.
-
-        Raises:
-            OutputError: if there is no display.
         """
         if self.closed:
             return
-        if self._screen is None:
-            try:
-                self._screen = Screen(self._title, self._size)
-            except OutputError:
-                self.closed = True
-                raise
         began_s = time.perf_counter()
         self._due_s += lasts_ms / 1000.0
         if not lasts_ms or began_s - self._due_s > lasts_ms / 1000.0:
@@ -125,10 +117,9 @@ class Window:
 
     def close(self) -> None:
         """Close the window, if it is open."""
-        self.closed = True
-        if self._screen is not None:
+        if not self.closed:
+            self.closed = True
             self._screen.close()
-            self._screen = None
 
     def _wait_until(self, due_s: float) -> None:
         while True:

@@ -63,10 +63,9 @@ def window(driver, clock):
     opened.close()
 
 
-def test_it_opens_with_its_first_picture_and_shows_it(driver, clock):
+def test_it_opens_and_shows_its_picture(driver, clock):
     driver("dummy")
     window = Window("Catch Arena", (400, 320))
-    assert not pygame.display.get_init()
     pictures = Pictures(clock)
     window.play(pictures, 0.0)
     assert pictures.parts == [1.0]
@@ -104,11 +103,12 @@ def test_when_its_user_closes_it_the_match_goes_on_without_it(window, clock):
     assert clock.now_s < 101.0
 
 
-def test_without_a_display_it_says_so(driver, clock):
+def test_without_a_display_it_says_so_each_time(driver):
     driver("no_such_driver")
-    window = Window("Catch Arena", (400, 320))
-    with pytest.raises(OutputError, match="needs a display"):
-        window.play(Pictures(clock), 0.0)
+    env = catch_arena.parallel_env("duel", render_mode="human")
+    for _ in range(2):
+        with pytest.raises(OutputError, match="needs a display"):
+            env.reset(seed=3)
 
 
 def test_a_window_that_nobody_can_see_says_so(driver, monkeypatch):
@@ -116,7 +116,7 @@ def test_a_window_that_nobody_can_see_says_so(driver, monkeypatch):
     driver("dummy")
     monkeypatch.setattr(pygame.display, "get_driver", lambda: "offscreen")
     with pytest.raises(OutputError, match="needs a display: none was found"):
-        Window("Catch Arena", (400, 320)).play(lambda _: FRAME, 0.0)
+        Window("Catch Arena", (400, 320))
     assert not pygame.display.get_init()
 
 
@@ -125,6 +125,7 @@ def test_an_env_shows_the_way_between_its_steps(driver, clock, monkeypatch):
     shown = []
     monkeypatch.setattr("catch_arena.render.window.Screen.show", lambda _, pixels: shown.append(pixels.copy()))
     env = catch_arena.parallel_env("duel", render_mode="human")
+    assert not pygame.display.get_init()
     env.reset(seed=3)
     for _ in range(3):
         env.step(dict.fromkeys(env.agents, 1))
