@@ -11,7 +11,7 @@ from typing import Final, Literal, NamedTuple
 
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, mix
-from catch_arena.render.text import printable, text_width
+from catch_arena.render.text import text_width
 from catch_arena.world import World
 
 FrameShape = Literal["landscape", "portrait", "square"]
@@ -304,7 +304,7 @@ def chip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], standings: S
 
 def _name_widths(names: Sequence[str], size: int, step: float, room: float) -> list[float]:
     """Return the width of each name, which comes on top of `step`; zeros if not all names fit."""
-    widths = [0.3 * size + text_width(printable(name), font_size(0.8 * size, 10), 600) for name in names]
+    widths = [0.3 * size + text_width(name, font_size(0.8 * size, 10), 600) for name in names]
     return widths if sum(widths) + len(widths) * step <= room else [0.0] * len(widths)
 
 
