@@ -129,6 +129,6 @@ def _callable(spec: str) -> Any:
         module = load_module(module_name)
     found = getattr(module, name, None)
     if not callable(found):
-        known = [key for key, value in vars(module).items() if callable(value) and not key.startswith("_")]
+        known = [key for key in dir(module) if not key.startswith("_") and callable(getattr(module, key))]
         raise AgentError(f"{spec}: has no function {name}{'; ' + suggest(name, known) if known else ''}")
     return found
