@@ -69,10 +69,11 @@ class ActionReader:
                 raise
             if control == "target" and type(action) is int and 0 <= action <= ranks:
                 choices[row] = action  # the usual case without another call
-                continue
-            rank, (commands[0, row, 0], commands[0, row, 1]) = checked_action(control, agent, action, ranks, clip=True)
-            if control != "velocity":
-                choices[row] = rank
+            elif control == "velocity":
+                commands[0, row, 0], commands[0, row, 1] = _checked_command(agent, "an action", action, clip=True)
+            else:
+                choices[row], command = checked_action(control, agent, action, ranks, clip=True)
+                commands[0, row, 0], commands[0, row, 1] = command
 
     def _require_complete(self, agents: Sequence[str], actions: Mapping[str, Any]) -> None:
         for agent in actions:
