@@ -27,7 +27,7 @@ Variants = Iterator[tuple[str, ArbiterCase]]
 
 
 class ArbiterRunner:
-    """Plays one case on an arbiter. A lot of which the case knows the drawn seat must draw it."""
+    """Plays one case on an arbiter; a lot with a known seat must draw that seat."""
 
     def __init__(self, arbiter: Arbiter, case: ArbiterCase, compared: Compared) -> None:
         self._arbiter = arbiter

@@ -22,7 +22,7 @@ class Part(NamedTuple):
 
     @property
     def forfeit(self) -> Forfeit | None:
-        """Its failure in the match; None if it did not fail."""
+        """Failure of the party in the match; None if it did not fail."""
         return self.one.result.forfeits[self.party]
 
 
