@@ -75,7 +75,7 @@ class GradingSpec:
     """Grading spec: the tests by which an agent is graded."""
 
     path: Path
-    """Its file."""
+    """File that it was read from."""
     title: str
     tests: tuple[GradingTest, ...]
     secret: Secret
