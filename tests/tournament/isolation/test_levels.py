@@ -40,13 +40,13 @@ def test_the_best_level_holds_unless_another_one_is_asked_for():
         ("echo bwrap: something is broken >&2; exit 1", "bwrap fails: bwrap: something is broken"),
         ("exit 3", "bwrap fails: exit code 3"),
         ("echo bwrap: Unknown option --disable-userns >&2; exit 1", "it must be version 0.8 or later"),
-        ("sleep 600", "bwrap does not end"),
+        ("exec sleep 600", "bwrap does not end"),
         ("kill -9 $$", "bwrap fails: "),
     ],
 )
 def test_without_a_bubblewrap_that_works_the_level_is_refused_in_one_line(bubblewrap, monkeypatch, script, why):
     bubblewrap(script)
-    monkeypatch.setattr(namespaces, "_PROBE_S", 1.0 if script == "sleep 600" else 60.0)
+    monkeypatch.setattr(namespaces, "_PROBE_S", 1.0 if script == "exec sleep 600" else 60.0)
     assert available_level() == "processes"
     with pytest.raises(ConfigError) as refused:
         Sandbox(Quotas(isolation="namespaces"))
