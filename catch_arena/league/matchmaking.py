@@ -1,7 +1,7 @@
 """Ratings of a league from its newest matches, and the opponents whose matches say most about an entrant's place."""
 
 from bisect import bisect_left
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import combinations
@@ -9,9 +9,12 @@ from typing import Final
 
 import numpy as np
 
+from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import Outcomes
 from catch_arena.tournament.statistics.ratings import ELO, local_estimates
+from catch_arena.tournament.statistics.sides import on_side
 
 NEAREST: Final = 32
 """Number of entrants with the nearest ratings among which opponents are chosen."""
@@ -31,16 +34,21 @@ class Evidence:
     """Number of blocks in which two entrants met, the smaller index first."""
 
 
-def weigh(outcomes: Outcomes, zero: int, present: Collection[int]) -> Evidence:
+def weigh(
+    played: Sequence[PlayedMatch], parties: Parties, entrants: int, zero: int, present: Collection[int]
+) -> Evidence:
     """Return the evidence of some matches about the present entrants; old versions are rated too, but not returned.
 
     Args:
-        outcomes: the matches.
+        played: the matches, in whole blocks. In an arena with prey, the results of the hunters count.
+        parties: the parties of the arena.
+        entrants: number of all entrants.
         zero: index of the entrant whose rating is 0, if it played.
         present: indices of the entrants that still play.
     """
-    if not outcomes.blocks:
+    if not played:
         return Evidence()
+    outcomes = Outcomes.of(entrants, on_side(played, parties))
     players, places = np.unique(outcomes.seating, return_inverse=True)
     places = places.reshape(outcomes.seating.shape)
     outcomes = Outcomes(len(players), outcomes.block, places, outcomes.scores, outcomes.ranks)
@@ -49,12 +57,13 @@ def weigh(outcomes: Outcomes, zero: int, present: Collection[int]) -> Evidence:
     ratings = dict(zip(names, local_estimates(outcomes, here), strict=True))
     blocks = (outcomes.by_block() > 0).sum(axis=0)[here].tolist()
     shift = ratings[zero].mean if zero in ratings else 0.0
-    first = np.unique(outcomes.block, return_index=True)[1]
-    together = (sorted(set(players[seats].tolist())) for seats in outcomes.seating[first])
+    groups: defaultdict[int, set[int]] = defaultdict(set)
+    for one in played:
+        groups[one.match.block].update(one.match.seating)
     return Evidence(
         {name: Estimate(one.mean - shift, one.low - shift, one.high - shift) for name, one in ratings.items()},
         dict(zip(names, blocks, strict=True)),
-        Counter(pair for group in together for pair in combinations(group, 2)),
+        Counter(pair for group in groups.values() for pair in combinations(sorted(group), 2)),
     )
 
 

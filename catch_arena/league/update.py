@@ -34,8 +34,6 @@ from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import block_of
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
-from catch_arena.tournament.statistics.outcomes import Outcomes
-from catch_arena.tournament.statistics.sides import on_side
 from catch_arena.tournament.store import Store, Tournament, terms_of
 
 STATE: Final = ".league"
@@ -319,7 +317,7 @@ def _play(
     with ExitStack() as stack:
         while True:
             pool = sorted(playing - {*league.streaks.excluded})
-            league.evidence = weigh(Outcomes.of(len(league.entrants), on_side(league.played)), zero, playing)
+            league.evidence = weigh(league.played, parties, len(league.entrants), zero, playing)
             league.new_matches = len(league.played) - before
             waiting = sorted(
                 filter(league.is_waiting, league.persons & {*pool}),

@@ -8,18 +8,26 @@ import subprocess
 import sys
 import time
 from datetime import datetime, timedelta, timezone
+from itertools import combinations
 from pathlib import Path
 
 import pytest
 from command_line import run
+from tournament.runs import run as play
 
 from catch_arena.cli import league as league_command
 from catch_arena.errors import StoreError
 from catch_arena.league import update
 from catch_arena.league.entries import shipped_entries
-from catch_arena.league.matchmaking import Evidence, next_blocks
+from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
 from catch_arena.league.store import LeagueStore, RatingThen
+from catch_arena.scenarios import scenario
+from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.intervals import Estimate
+from catch_arena.tournament.statistics.outcomes import SideResults
+from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import Store, only_one_plays_in
 
 ARENA = ["-s", "duel", "--set", "time_limit_s=3", "--limit", "isolation=processes", "--jobs", "1", "--seed", "5"]
@@ -453,3 +461,15 @@ def test_opponents_are_near_and_new_to_each_other():
     assert set(first) <= {100, 48, 49, 50, 51}  # without a rating it begins in the middle
     both = next_blocks([10, 11, 90], range(100), Evidence(ratings), 2, draw)
     assert both == [(10, 11), (90, 89)]  # those that wait meet each other
+
+
+def test_with_prey_the_ratings_are_those_of_hunters():
+    config = scenario("tag", time_limit_s=3)
+    entrants, parties = enter(["nearest", "intercept", "patrol", "contested", "idle"]), Parties.of(config)
+    played = play(config, entrants, round_robin(5, parties, 1, 3))
+    evidence = weigh(played, parties, 5, 0, range(5))
+    assert set(evidence.met) == set(combinations(range(5), 2))
+    table = standings(SideResults.of(entrants, played, parties, "hunter"))
+    ratings = {line.name: line.rating.mean for line in table}
+    for index, entrant in enumerate(entrants):
+        assert evidence.ratings[index].mean == pytest.approx(ratings[entrant.name] - ratings["nearest"], abs=0.1)
