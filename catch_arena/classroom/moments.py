@@ -64,7 +64,7 @@ class WorstMatch:
         badness = (True, 0) if forfeit is not None else (False, behind)
         if self._worst is None or badness > self._worst:
             self._worst, self._replay, self._forfeit, self.log = badness, replay, forfeit, result.logs[party]
-            self._seat = self._parties.seats[party][0] if forfeit is None or forfeit.seat < 0 else forfeit.seat
+            self._seat = self._parties.seats[party][0]
 
     def moment(self) -> Moment | None:
         """Return the worst moment of the match; None if the agent did not begin it.
@@ -84,13 +84,14 @@ def lead(result: MatchResult, party: int, hunting: int) -> int:
 
 
 def worst_moment(replay: Replay, seat: int, forfeit: Forfeit | None) -> Moment:
-    """Return the moment of an agent's failure, or else its worst moment in a match.
+    """Return the moment of an agent's failure, in the seat that failed, or else its worst moment in a match.
 
     Raises:
         ReplayError: if the match does not play as recorded.
     """
     if forfeit is None:
         return moment_of(replay, seat, *_worst_moment(replay, seat))
+    seat = seat if forfeit.seat < 0 else forfeit.seat
     at_ms = (forfeit.step - 1) * replay.config.control_period_ms
     return moment_of(replay, seat, at_ms, str(forfeit), f"{_FAILED[forfeit.code]} here, step {forfeit.step}")
 
