@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.batch_policy import BatchView
-from catch_arena.core.jit import entry, rule
+from catch_arena.core.jit import entry, phase, rule
 from catch_arena.core.math import atan2
 from catch_arena.core.modes import INTERPRETED
 from catch_arena.layout import (
@@ -64,22 +64,22 @@ _STANDING: Final = MovingTargetFeatures(0, 0, 0, 0, 0, heading_cos=1, heading_si
 
 def ranks_for_each(choose: Decide, view: BatchView) -> NDArray[np.int64]:
     """Return the ranks that N hunters chase, (N,), as one function chooses for each; see `commands_for_each`."""
-    return _actions(choose, view, np.empty(len(view.observations), np.int64))
+    return _actions(choose, _write_rank, view, np.empty(len(view.observations), np.int64))
 
 
 def commands_for_each(decide: Decide, view: BatchView) -> NDArray[np.float64]:
     """Return the speeds and turn rates of N hunters, (N, 2), as one function decides for each.
 
     Args:
-        decide: a function from a `View` to an action, which is two floats. It reads the hunter's own numbers, the
-            fields of `targets` and `rivals`, and the numbers of `limits`, but no properties and methods. It calls
-            `math` and functions of this kind, and makes no lists.
+        decide: a function from a `View` to an action. It reads the hunter's own numbers, the fields of `targets` and
+            `rivals`, and the numbers of `limits`, but no properties and methods. It calls `math` and functions of this
+            kind, and makes no lists.
         view: what the hunters see.
     """
-    return _actions(decide, view, np.empty((len(view.observations), 2)))
+    return _actions(decide, _write_command, view, np.empty((len(view.observations), 2)))
 
 
-def _actions(decide: Decide, view: BatchView, actions: NDArray[Any]) -> NDArray[Any]:
+def _actions(decide: Decide, write: Any, view: BatchView, actions: NDArray[Any]) -> NDArray[Any]:
     if INTERPRETED:
         for row, observation in enumerate(view.observations):
             actions[row] = decide(View(observation.tolist(), (), view.limits))
@@ -88,7 +88,7 @@ def _actions(decide: Decide, view: BatchView, actions: NDArray[Any]) -> NDArray[
     rivals = np.zeros((view.limits.hunters_seen, len(TeamRivalFeatures._fields)))
     records = targets.view(_TARGET)[:, 0], rivals.view(_RIVAL)[:, 0]
     seen = np.ascontiguousarray(view.observations, np.float32)
-    _compiled(decide)(seen, _shape(view.limits), targets, rivals, *records, actions)
+    _compiled(decide, write)(seen, _shape(view.limits), targets, rivals, *records, actions)
     return actions
 
 
@@ -114,7 +114,8 @@ def _look(seen: Any, row: int, first: int, columns: int, always: int, table: Any
 
 
 _decide: Any = None
-"""Placeholder in `_act_all`, which `_compiled` replaces by a function."""
+_write: Any = None
+"""Placeholders in `_act_all`, which `_compiled` replaces by functions."""
 
 
 def _act_all(
@@ -138,7 +139,17 @@ def _act_all(
             rival_records[:rival_count],
             limits,
         )
-        actions[row] = _decide(view)
+        _write(actions, row, _decide(view))
+
+
+@phase
+def _write_rank(actions: Any, row: int, rank: int) -> None:
+    actions[row] = rank
+
+
+@phase
+def _write_command(actions: Any, row: int, command: tuple[float, float]) -> None:
+    actions[row, 0], actions[row, 1] = command
 
 
 @rule
@@ -151,10 +162,10 @@ _MATH.__dict__.update(vars(math), hypot=_hypot, atan2=atan2)  # the C library's 
 
 
 @cache
-def _compiled(decide: Decide) -> Any:
+def _compiled(decide: Decide, write: Any) -> Any:
     """Compile `_act_all` for one function. Its name has a digest of all that it is made of: the cache sees one file."""
     made_of = hashlib.blake2b(digest_size=8)
-    space = globals() | {"_decide": _part(decide, made_of)}
+    space = globals() | {"_decide": _part(decide, made_of), "_write": write}
     name = f"{decide.__module__}.{decide.__name__}-{made_of.hexdigest()}"
     entry_point = FunctionType(_act_all.__code__, space, name)
     entry_point.__qualname__ = name

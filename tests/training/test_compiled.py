@@ -64,7 +64,7 @@ def test_code_that_is_kept_is_of_these_functions_and_numbers(monkeypatch):
 
     def name():
         compiled._compiled.cache_clear()
-        return compiled._compiled(everything).py_func.__qualname__
+        return compiled._compiled(everything, compiled._write_command).py_func.__qualname__
 
     first = name()
     assert name() == first
