@@ -129,6 +129,7 @@ def _callable(spec: str) -> Any:
         module = load_module(module_name)
     found = getattr(module, name, None)
     if not callable(found):
-        known = [key for key in dir(module) if not key.startswith("_") and callable(getattr(module, key))]
+        loaded = vars(module)  # a module may load other names on demand, or fail to
+        known = [key for key in dir(module) if not key.startswith("_") and callable(loaded.get(key, callable))]
         raise AgentError(f"{spec}: has no function {name}{'; ' + suggest(name, known) if known else ''}")
     return found

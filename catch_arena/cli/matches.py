@@ -102,6 +102,7 @@ def tournament(
     """
     from catch_arena.cli.tables import plan_table
     from catch_arena.report import write_report
+    from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import require_enough
@@ -125,7 +126,8 @@ def tournament(
     new = not (out / STORE).exists()
     if new:
         _require_free_folder(out, parties, recorded=record, force=force)
-        own_console(err=True).print(plan_table(plan, worker, jobs, max_forfeits))
+        cost = measure_cost(worker, plan)
+        own_console(err=True).print(plan_table(plan, worker, cost, jobs, max_forfeits))
     prepare_folder(out / REPLAYS if record else out)
 
     def kept() -> str:

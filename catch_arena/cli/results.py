@@ -83,9 +83,9 @@ def export(
     with Store.read(folder) as store:
         reserve_file(output, *_FORMATS, force=force)
         named = _FORMATS[output.suffix.lower()]
-        if form not in {named, None}:
+        if form not in {named, None} and output.suffix.lower() != ".json":
             raise ConfigError(
                 f"--format must match the ending of the file's name, or be left out, got {form} for {output.name}"
             )
-        write(store, named, output, timing=timing)
+        write(store, form or named, output, timing=timing)
         echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")

@@ -313,12 +313,16 @@ def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[i
         key = setting.partition("=")[0]
         if key in _OWN_SETTINGS:
             raise ConfigError(f"--set {key}=... must be left out: {_OWN_SETTINGS[key]}")
-    if scenario is None:
-        config = arena(EXERCISE, [f"hunters={len(seats) or 1}", *(settings or ())])
-        why = ": without --scenario and --set hunters=..., there is one hunter for each --seat"
-    else:
-        config, why = arena(scenario, settings), ""
-    if max(seats, default=0) >= config.hunters:
-        seat = f"--seat must be from 0 to {config.hunters - 1} in {scenario or EXERCISE}"
-        raise ConfigError(f"{seat}, got {max(seats)}{why}")
+    last, by_seats = max(seats, default=0), []
+    if scenario is None and not any(setting.startswith("hunters=") for setting in settings or ()):
+        left_out = min(set(range(last)) - set(seats), default=None)
+        if left_out is not None:
+            raise ConfigError(
+                f"--seat {left_out} must be given too, such as {left_out}={NODE}: without --scenario and --set "
+                "hunters=..., there is one hunter for each --seat"
+            )
+        by_seats = [f"hunters={last + 1}"]
+    config = arena(scenario or EXERCISE, [*by_seats, *(settings or ())])
+    if last >= config.hunters:
+        raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario or EXERCISE}, got {last}")
     return config

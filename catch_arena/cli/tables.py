@@ -12,7 +12,7 @@ from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import plain_table
 from catch_arena.policy import Side
 from catch_arena.tournament.agent_spec import is_shipped
-from catch_arena.tournament.execution.cost import Cost, match_counts, measure_cost
+from catch_arena.tournament.execution.cost import Cost, match_counts
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan
@@ -56,9 +56,8 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
     return shown
 
 
-def plan_table(plan: Plan, worker: Worker, jobs: int, max_forfeits: int) -> Table:
-    """Return the plan and, if some matches that are not kept can be played, its cost."""
-    cost = measure_cost(worker, plan)
+def plan_table(plan: Plan, worker: Worker, cost: Cost | None, jobs: int, max_forfeits: int) -> Table:
+    """Return the plan and, if known, its cost."""
     shown = Table(box=None, show_header=False, pad_edge=False)
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")

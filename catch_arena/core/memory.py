@@ -115,7 +115,7 @@ class Sections(NamedTuple):
     """R12.4: body of each prey, by index, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
     snapshot: ScratchDoubles1
     """Copy of the chunk before the step, if some of its arenas had ended."""
-    # ---- saved, from here to the end; all but the first two have a row for each arena ----
+    # ---- saved, from here to the end; all but chunks and target_orders have a row for each arena ----
     chunks: Doubles2
     """Arena memory, (chunks, rows * LANES): see `state`."""
     target_orders: Bytes3

@@ -188,6 +188,8 @@ class Engine:
                 REQUEST_TARGET (a slot, or a code for none) are read, and all other columns are written.
         """
         kind, memory, chunks, playing = self._kind, self._memory, self._num_chunks, True
+        if 0 < len(requests) < self.config.hunters:
+            raise ConfigError(f"requests must begin with {self.config.hunters} rows, one a hunter, got {len(requests)}")
         if self.num_threads == 1:
             tick.run(kind, memory, 0, 0, chunks, _NO_RESETS, playing, choices, commands, requests)
             return
@@ -370,10 +372,11 @@ class Engine:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be that of {wanted} here, got that of {got}")
         _, memory, _ = self._parts(0 if alone else None)
-        size, found = (sum(part.nbytes for part in parts) for parts in (memory, saved.memory))
-        if found != size:
+        if [np.shape(part) for part in saved.memory] != [part.shape for part in memory]:
+            size, found = (sum(part.nbytes for part in parts) for parts in (memory, saved.memory))
             raise ConfigError(
-                f"a saved state must come from this version of Catch Arena, in which it has {size} bytes, got {found}"
+                f"a saved state must come from this version of Catch Arena, in which it has {size} bytes, got {found} "
+                "in other parts"
             )
 
     def _parts(self, arena: int | None) -> tuple[NDArray[np.int8], list[NDArray[Any]], list[NDArray[Any]]]:

@@ -76,6 +76,7 @@ class ActionReader:
                 commands[0, row, 0], commands[0, row, 1] = command
 
     def _require_complete(self, agents: Sequence[str], actions: Mapping[str, Any]) -> None:
+        """Check that each of the agents has an action, and that others are only of agents that have left."""
         for agent in actions:
             self.seat(agent)
         missing = [agent for agent in agents if agent not in actions]

@@ -21,7 +21,7 @@ def checked_agent_names(given: str | Sequence[str] | None, usual: list[str]) -> 
     if given is None:
         return usual
     names = as_python(given)
-    if isinstance(given, str):
+    if isinstance(given, str) and "{seat" in given:
         with suppress(ValueError, LookupError, AttributeError, TypeError):  # it is no pattern
             names = [given.format(seat=seat) for seat in range(len(usual))]
     if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names):

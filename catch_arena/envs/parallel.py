@@ -205,8 +205,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         require_options(options)
         self._seed = episode_seed(seed, self._seed)
-        if seed is not None or self.agents:
-            self._truncated = ()
+        follows = seed is None and not self.agents
+        self._truncated = self._truncated if follows else ()
         self._np_random = None
         self._engine.reset([self._seed])
         self._recorder.begin(self._seed, self._engine)

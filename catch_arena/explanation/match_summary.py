@@ -209,7 +209,7 @@ def explain(
         duration_ms=replay.duration_ms,
         names=names,
         prey_names=tuple(record.summary.name for record in prey),
-        prey_by_target={target: record.summary.name for record in prey for target in sorted(record.targets)},
+        prey_by_target={target: record.summary.name for record in prey for target in record.targets},
         scores=scores,
         entrants=tuple(" + ".join(dict.fromkeys(players[seat] for seat in members)) for members in teams),
         catches=tuple(catches),
@@ -314,14 +314,14 @@ class _PreyRecord:
     def __init__(self, index: int, name: str) -> None:
         self.summary = PreySummary(index, name)
         self.captures: list[Capture] = []
-        self.targets: set[str] = set()
-        """Names of the targets that the prey has played."""
+        self.targets: dict[str, None] = {}
+        """Names of the targets that the prey has played, in their order."""
 
     def note(self, before: World, after: World) -> None:
         """Add the next step."""
         summary, index = self.summary, self.summary.index
         then, now = before.prey[index], after.prey[index]
-        self.targets.update(target for target in (then.target, now.target) if target is not None)
+        self.targets.update({target: None for target in (then.target, now.target) if target is not None})
         if now.withdrawn and summary.withdrawn_ms is None:
             summary.withdrawn_ms = before.time_ms
         if now.caught_by is not None:

@@ -208,6 +208,7 @@ class _RunningMatch:
             if fault is not None:
                 faults[seat] = fault
                 continue
+            # the usual case without another call
             usual = self._controls[seat] == "target" and type(action) is int and 0 <= action <= self._ranks
             try:
                 self._actions[self._agents[seat]] = action if usual else self._checked(seat, action)

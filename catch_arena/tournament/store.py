@@ -214,7 +214,8 @@ class Store:
             for name, by, text in self._db.execute("SELECT id, versions, played FROM match ORDER BY id"):
                 where = f"table match, row {name}"
                 played = self._decode(PlayedMatch, where, text)
-                if fault := _misfit(played, parties, entrants):
+                fault = _misfit(played, parties, entrants) or ("" if by in known else f"versions {by} are missing")
+                if fault:
                     raise self._damaged(f"{where}: {fault}")
                 yield played, known[by]
 

@@ -136,6 +136,7 @@ def test_a_report_without_failures_is_whole_xml():
         ([], "an arbiter or an arena must be given"),
         (["arbitrate"], "arbitrate: must be module:function or path.py:function"),
         (["catch_arena:arbitrat"], "has no function arbitrat; did you mean arbitrate?"),
+        (["catch_arena.training:Foo"], "has no function Foo"),
         (["notes.txt:f"], "notes.txt:f: must be module:function or path.py:function"),
         (["catch_arena:arbitrate", "--only", "zzz"], "no case begins with 'zzz': known: basics, capstone, "),
         (["no_such_module:f"], "no_such_module: importing it raised ModuleNotFoundError"),

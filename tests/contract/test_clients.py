@@ -197,6 +197,8 @@ def test_names_that_agents_cannot_have_are_refused(names):
     for make in (catch_arena.parallel_env, catch_arena.env):
         with pytest.raises(ConfigError, match=f"^agent_names must be .*, got {re.escape(repr(names))}"):
             make("duel", agent_names=names)
+    with pytest.raises(ConfigError, match="agent_names must be a pattern"):
+        catch_arena.parallel_env("standard", hunters=1, agent_names="bob")
 
 
 def test_continuous_actions_stand_for_velocity_control():

@@ -1,5 +1,7 @@
 """The engine's rows keep to themselves: places, targets and prey by name, and lanes that are no arenas."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -29,6 +31,24 @@ def test_a_request_by_name_after_the_end_is_told_too():
     engine.step(*actions(engine, 0), requests=table)
 
     assert [(ruling.hunter, ruling.verdict) for ruling in engine.rulings(0)] == [(1, Verdict.MATCH_OVER)]
+
+
+def test_a_table_of_requests_without_a_row_for_each_hunter_is_refused():
+    engine = Engine(scenario("duel"))
+    engine.reset([1])
+    with pytest.raises(ConfigError, match="requests must begin with 2 rows, one a hunter, got 1"):
+        engine.step(*actions(engine), requests=np.zeros((1, REQUEST_COLUMNS), np.int64))
+
+
+def test_a_state_in_other_parts_is_refused():
+    """As one array of bytes, the form of an earlier version."""
+    engine = Engine(scenario("duel"))
+    engine.reset([1])
+    saved = engine.save(0)
+    memory = np.frombuffer(b"".join(part.tobytes() for part in saved.memory), np.uint8)
+    for other in (memory, (memory,)):
+        with pytest.raises(ConfigError, match="must come from this version"):
+            engine.require_saved(dataclasses.replace(saved, memory=other), alone=True)
 
 
 @pytest.mark.parametrize("control", ["target", "velocity", "full"])

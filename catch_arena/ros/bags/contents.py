@@ -3,6 +3,7 @@
 Times are milliseconds since the bag's first message.
 """
 
+import math
 from bisect import bisect_right
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -30,7 +31,8 @@ class Track:
         begin_ms, end_ms = self.times_ms[after - 1 : after + 1]
         start, stop = self.poses[after - 1 : after + 1]
         part = (time_ms - begin_ms) / (end_ms - begin_ms)
-        return Pose(*interpolate(start[:3], stop[:3], part), *stop[3:])
+        x, y, theta = interpolate(start[:3], stop[:3], part)
+        return Pose(x, y, math.remainder(theta, math.tau), *stop[3:])
 
     @property
     def end_ms(self) -> float:

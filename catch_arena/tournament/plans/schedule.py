@@ -34,6 +34,7 @@ class Plan:
     size: int
     """Number of matches; the largest possible number if the plan may end earlier."""
     blocks: Callable[[], Iterator[Block]] = field(repr=False)
+    """Makes all blocks, also those that are not played if the plan ends earlier."""
 
     def __iter__(self) -> Iterator[Match]:
         return (match for block in self.blocks() for match in block)
