@@ -250,6 +250,7 @@ class ArenaService:
             replay.named_requests += [request for request in kept if request is not None]
             replay.append(choices[0], commands[0], self._engine)
         self._publish_changes(before, after)
+        # a rank always has a ruling, after the end MATCH_OVER; it answers the hunter's first request
         ranked = {ruling.hunter: ruling for ruling in after.rulings if choices[0, ruling.hunter]}
         named = iter(rulings_of(table[self._config.hunters :], [name for _, name in by_name], before.step))
         return [ranked.pop(seat) if seat in ranked else next(named) for seat, _ in calls]

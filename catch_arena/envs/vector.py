@@ -431,6 +431,7 @@ class VectorArena:
 
     def _restore(self, saved: SavedState, arena: int | None) -> None:
         self._engine.require_saved(saved, alone=arena is not None)
+        # without any_control, all arenas have the controls of the first
         if (saved.controls != self._engine.controls[0]).any():
             self._require_any_control()
         self._engine.restore(saved, arena)

@@ -82,7 +82,7 @@ def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> 
 
 
 def _hunters(tracks: Mapping[str, Track]) -> Mapping[str, Track]:
-    """Return the hunters' tracks: hunter_0 and so on of `ros serve`, else those of all turtles that were in no list."""
+    """Return the hunters' tracks: hunter_0 and so on of `ros serve`, else all of these."""
     own = sorted((name for name in tracks if _OWN_HUNTER.fullmatch(name)), key=lambda name: int(name[7:]))
     return {name: tracks[name] for name in own} or tracks
 
