@@ -375,8 +375,7 @@ class Engine:
         if [np.shape(part) for part in saved.memory] != [part.shape for part in memory]:
             size, found = (sum(part.nbytes for part in parts) for parts in (memory, saved.memory))
             raise ConfigError(
-                f"a saved state must come from this version of Catch Arena, in which it has {size} bytes, got {found} "
-                "in other parts"
+                f"saved must come from this version of Catch Arena, in which it has {size} bytes, got other {found}"
             )
 
     def _parts(self, arena: int | None) -> tuple[NDArray[np.int8], list[NDArray[Any]], list[NDArray[Any]]]:
