@@ -309,12 +309,12 @@ def _seats(options: list[str]) -> dict[int, str]:
 
 
 def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[int]) -> ArenaConfig:
-    for setting in settings or ():
-        key = setting.partition("=")[0]
+    keys = [setting.partition("=")[0] for setting in settings or ()]
+    for key in keys:
         if key in _OWN_SETTINGS:
             raise ConfigError(f"--set {key}=... must be left out: {_OWN_SETTINGS[key]}")
     last, by_seats = max(seats, default=0), []
-    if scenario is None and not any(setting.startswith("hunters=") for setting in settings or ()):
+    if scenario is None and "hunters" not in keys:
         left_out = min(set(range(last)) - set(seats), default=None)
         if left_out is not None:
             raise ConfigError(

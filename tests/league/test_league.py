@@ -249,36 +249,38 @@ def test_a_check_that_fails_on_our_side_is_tried_again(ran, monkeypatch):
     assert "cid: version 1 enters" in league(ran).output
 
 
-def test_files_that_change_while_they_are_copied_wait_for_the_next_run(ran, monkeypatch):
+def enters_while_copying(ran, monkeypatch, copyfile):
+    """The output of a run in which cid enters and files are copied by this function, and of the next run."""
     (ran / "cid.py").write_text(agent("return 0  # cid"))
+    monkeypatch.setattr(shutil, "copyfile", copyfile)
+    done = league(ran)
+    assert done.exit_code == 0, done.output
+    monkeypatch.undo()
+    return done.output, league(ran).output
+
+
+def test_files_that_change_while_they_are_copied_wait_for_the_next_run(ran, monkeypatch):
     copy = shutil.copyfile
 
     def change_and_copy(path, target):
         path.write_text(agent("return 1  # changed"))
         copy(path, target)
 
-    monkeypatch.setattr(shutil, "copyfile", change_and_copy)
-    done = league(ran)
-    assert done.exit_code == 0, done.output
-    assert "cid: its files change; the next run takes them" in done.output
-    monkeypatch.undo()
-    assert "cid: version 1 enters" in league(ran).output
+    first, second = enters_while_copying(ran, monkeypatch, change_and_copy)
+    assert "cid: its files change; the next run takes them" in first
+    assert "cid: version 1 enters" in second
 
 
 def test_a_file_that_comes_while_others_are_copied_belongs_to_the_next_version(ran, monkeypatch):
-    (ran / "cid.py").write_text(agent("return 0  # cid"))
     copy = shutil.copyfile
 
     def copy_and_add(path, target):
         copy(path, target)
         path.with_suffix(".txt").write_text("weights")
 
-    monkeypatch.setattr(shutil, "copyfile", copy_and_add)
-    done = league(ran)
-    assert done.exit_code == 0, done.output
-    assert "cid: version 1 enters" in done.output
-    monkeypatch.undo()
-    assert "cid: version 2 enters" in league(ran).output
+    first, second = enters_while_copying(ran, monkeypatch, copy_and_add)
+    assert "cid: version 1 enters" in first
+    assert "cid: version 2 enters" in second
 
 
 def test_an_entry_called_site_is_refused(ran):

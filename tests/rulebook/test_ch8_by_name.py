@@ -61,7 +61,7 @@ def test_r8_1_a_target_that_prey_plays_is_not_killed_by_name():
 
 
 def test_prey_stands_still():
-    """It has no Twists, and the engine reads a command for each prey."""
+    """The service takes no Twist for prey, though the engine reads a command for each."""
     service = ArenaService("herd", target_motion="still")
     service.reset(seed=1)
     places = [(target.x, target.y, target.theta) for target in service.world.targets if target.prey]
