@@ -15,7 +15,7 @@ from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import entry, outlined, phase, rule
 from catch_arena.core.random import service_lot, tie_lot
 from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED, NO_SEAT, NOT_MEASURED
-from catch_arena.core.vectors import floor, select, sqrt
+from catch_arena.core.vectors import floor, sqrt
 from catch_arena.verdicts import Verdict
 
 RequestTable = NDArray[np.int64]
@@ -89,24 +89,33 @@ def first_failed_test(
         over: whether the episode has ended.
         service_up: whether the kill service answers.
     """
-    # R5.2's tests from the last to the first, whose verdict stays: without a branch, for several lanes at the same time
-    verdict = select(within_reach(distance_um, reach_um), ELIGIBLE, OUT_OF_REACH)
-    verdict = select(service_up, verdict, _SERVICE_DOWN)
-    verdict = select(target == ALREADY_GONE, _ALREADY_CAUGHT, verdict)
-    verdict = select(target == NEVER_SPAWNED, _UNKNOWN_TARGET, verdict)
-    verdict = select(duplicate, _DUPLICATE, verdict)
-    verdict = select(inactive, _HUNTER_INACTIVE, verdict)
-    verdict = select(target == MALFORMED_REQUEST, _MALFORMED, verdict)
-    return select(over, _MATCH_OVER, verdict)
+    if over:
+        return _MATCH_OVER
+    if target == MALFORMED_REQUEST:
+        return _MALFORMED
+    if inactive:
+        return _HUNTER_INACTIVE
+    if duplicate:
+        return _DUPLICATE
+    if target == NEVER_SPAWNED:
+        return _UNKNOWN_TARGET
+    if target == ALREADY_GONE:
+        return _ALREADY_CAUGHT
+    if not service_up:
+        return _SERVICE_DOWN
+    return ELIGIBLE if within_reach(distance_um, reach_um) else OUT_OF_REACH
 
 
 @rule
 def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
     """R9.1: return the verdict of the original's service, which grants every request that it can answer at all."""
-    verdict = select(service_up, _GRANTED, _SERVICE_DOWN)  # from the last test to the first, as in first_failed_test
-    verdict = select(inactive, _HUNTER_INACTIVE, verdict)
-    verdict = select(target == MALFORMED_REQUEST, _MALFORMED, verdict)
-    return select(over, _MATCH_OVER, verdict)
+    if over:
+        return _MATCH_OVER
+    if target == MALFORMED_REQUEST:
+        return _MALFORMED
+    if inactive:
+        return _HUNTER_INACTIVE
+    return _GRANTED if service_up else _SERVICE_DOWN
 
 
 @rule
@@ -152,9 +161,6 @@ def judge(
 ) -> None:
     """R5.1 to R5.7: write the verdict and the winner of every request of one step. First come R5.2's tests, which a
     request fails alone, and then the contests among the other requests.
-
-    In a match `catching.refuse_requests` has already answered most requests that fail alone, by the same tests; they
-    are not in the table. Under `capstone` the table has all requests.
 
     Args:
         requests: the request table; REQUEST_VERDICT and REQUEST_WINNER are written, and REQUEST_DISTANCE becomes

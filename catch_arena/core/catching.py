@@ -3,9 +3,6 @@
 from typing import Final
 
 from catch_arena.core.arbiter import (
-    CAPSTONE,
-    ELIGIBLE,
-    OUT_OF_REACH,
     REQUEST_DISTANCE,
     REQUEST_INACTIVE,
     REQUEST_KILL_REFUSED,
@@ -17,7 +14,6 @@ from catch_arena.core.arbiter import (
     REQUEST_VERDICT,
     REQUEST_WINNER,
     RequestTable,
-    first_failed_test,
     judge,
     measure_um,
 )
@@ -33,7 +29,6 @@ from catch_arena.core.state import (
     DISTANCE,
     ENDED,
     LANES,
-    NO_SEAT,
     NO_TARGET,
     NOT_MEASURED,
     NUMBER,
@@ -53,10 +48,8 @@ from catch_arena.core.state import (
     X,
     Y,
     limits_of,
-    played_lanes,
     seat_of,
 )
-from catch_arena.core.vectors import Width, any_of, group, lane_numbers, long, select, truncate
 from catch_arena.verdicts import NO_REQUEST, Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
@@ -68,82 +61,18 @@ _NO_VERDICT: Final = float(NO_REQUEST)
 
 
 @phase
-def clear_verdicts(chunk: Rows, s: Settings, width: Width) -> None:
-    """Clear the verdicts of the last step. Without a verdict the evidence next to it is not read."""
-    for seat in range(s.hunters):
-        me = seat_of(chunk, seat)
-        for first in range(0, played_lanes(width), len(width)):
-            me[VERDICT + group(first, width)] = _NO_VERDICT
-
-
-@phase
-def decide_kill_service(chunk: Rows, s: Settings, width: Width, lanes: int, service_up: Rows) -> None:
-    """R8.3: decide whether the kill service answers in this step.
-
-    Args:
-        service_up: the result, one row: 1 if it answers, else 0.
-    """
-    for first in range(0, played_lanes(width), len(width)):
-        service_up[group(first, width)] = 1.0
-    if s.kill_down_rate > 0.0:
-        for lane in range(lanes):
-            seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
-            service_up[lane] = 0.0 if kill_service_down(seed, chunk[STEP + lane], s.kill_down_rate) else 1.0
-
-
-@phase
-def refuse_requests(
-    chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, sections: Sections, service_up: Rows
-) -> None:
-    """R5.2: answer the requests that fail a test regardless of other requests, several lanes at the same time.
-
-    This only saves time, since under full control most requests fail so: `judge` gives the same verdicts without it.
-
-    Args:
-        chunk: the chunk without verdicts; verdicts, evidence and tallies of these requests are written.
-        sections: see `memory.Sections`; its requested slots are read.
-    """
-    duplicate = False  # a hunter has one request
-    for seat in range(s.hunters):
-        me, own = seat_of(chunk, seat), limits_of(sections.limits, seat)
-        requested = sections.requested_slots[seat]
-        for first in range(0, lanes, len(width)):
-            lane, lane_number = group(first, width), lane_numbers(first, width)
-            slot = requested[lane]
-            requests_target = (slot != float(NO_TARGET)) & (lane_number < lanes)
-            if not any_of(requests_target):
-                continue
-            named = slot >= 0.0
-            at = long(truncate(select(named, slot, 0.0))) * s.slot_size + lane_number
-            distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
-            inactive, over, serves = me[WITHDRAWN + lane] > 0.0, chunk[ENDED + lane] != RUNNING, service_up[lane] > 0.0
-            failed = first_failed_test(slot, distance_um, own.reach_um, inactive, duplicate, over, serves)
-            refused = requests_target & (failed != float(ELIGIBLE))
-            if any_of(refused):
-                number = select(named, targets[NUMBER + at], 0.0)
-                distance_given = select(failed == float(OUT_OF_REACH), distance_um, float(NOT_MEASURED))
-                me[VERDICT + lane] = select(refused, failed, _NO_VERDICT)
-                me[REQUESTED_NUMBER + lane] = select(refused, number, me[REQUESTED_NUMBER + lane])
-                me[DISTANCE + lane] = select(refused, distance_given, me[DISTANCE + lane])
-                me[WINNER + lane] = select(refused, float(NO_SEAT), me[WINNER + lane])
-                for verdict in range(1, OUT_OF_REACH + 1):  # verdicts of first_failed_test
-                    happened = refused & (failed == float(verdict))
-                    if any_of(happened):
-                        tally = TALLIES + verdict * LANES + lane
-                        me[tally] = me[tally] + select(happened, 1.0, 0.0)
-
-
-@phase
 def collect_requests(chunk: Rows, s: Settings, lane: int, sections: Sections, table: RequestTable) -> int:
-    """Write the seats and slots of the requests of one lane that have no answer yet into the last of a table's first H
-    rows, in the order of seats, and return the first of these rows.
+    """Write the seats and slots of the hunters' requests in one lane into the last of a table's first H rows, in the
+    order of seats, and return the first of these rows.
 
-    `fill_requests` writes the other columns.
+    `fill_requests` writes the other columns. The verdicts of the last step are cleared; without a verdict the evidence
+    next to it is not read.
     """
     first = s.hunters
     for seat in range(s.hunters - 1, -1, -1):
+        seat_of(chunk, seat)[VERDICT + lane] = _NO_VERDICT
         slot = sections.requested_slots[seat, lane]
-        if slot != float(NO_TARGET) and seat_of(chunk, seat)[VERDICT + lane] == _NO_VERDICT:
+        if slot != float(NO_TARGET):
             first -= 1
             table[first, REQUEST_SEAT] = seat
             table[first, REQUEST_TARGET] = int(slot)
@@ -184,15 +113,16 @@ def fill_requests(
 
 
 @phase
-def judge_requests(chunk: Rows, s: Settings, lane: int, requests: RequestTable, service_up: bool) -> None:
+def judge_requests(chunk: Rows, s: Settings, lane: int, requests: RequestTable) -> None:
     """R1.4's phase 3 in one lane: judge the request table, and keep the ruling on each hunter's first request.
 
     Args:
         requests: the request table of the lane; its verdicts and winners are written.
     """
-    seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
+    seed, step = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane]), int(chunk[STEP + lane])
     over = chunk[ENDED + lane] != RUNNING
-    judge(requests, s.policy, seed, int(chunk[STEP + lane]), over, service_up, s.partners_needed)
+    service_up = not kill_service_down(seed, step, s.kill_down_rate)
+    judge(requests, s.policy, seed, step, over, service_up, s.partners_needed)
     for i in range(len(requests) - 1, -1, -1):  # backwards: a hunter's first request is written last
         me = seat_of(chunk, requests[i, REQUEST_SEAT])
         me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
@@ -200,14 +130,12 @@ def judge_requests(chunk: Rows, s: Settings, lane: int, requests: RequestTable, 
         me[DISTANCE + lane] = requests[i, REQUEST_DISTANCE]
         me[WINNER + lane] = requests[i, REQUEST_WINNER]
         me[TALLIES + requests[i, REQUEST_VERDICT] * LANES + lane] += 1.0  # one row for each verdict
-        for j in range(len(requests)):
-            if (
-                requests[j, REQUEST_VERDICT] == _LOST_CONTEST
-                and requests[j, REQUEST_WINNER] == requests[i, REQUEST_SEAT]
-                and requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
-            ):
-                me[CONTESTS_WON + lane] += 1.0
-                break
+        if requests[i, REQUEST_WINNER] == requests[i, REQUEST_SEAT]:
+            for j in range(len(requests)):
+                same_target = requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
+                if same_target and requests[j, REQUEST_VERDICT] == _LOST_CONTEST:
+                    me[CONTESTS_WON + lane] += 1.0
+                    break
 
 
 @phase
@@ -221,9 +149,8 @@ def commit(chunk: Rows, s: Settings, lane: int, targets: Rows, requests: Request
         sections: see `memory.Sections`; the progress references are renewed.
     """
     for i in range(len(requests)):
-        seat_of(chunk, requests[i, REQUEST_SEAT])[SCORE + lane] += (
-            1.0 if requests[i, REQUEST_VERDICT] == _GRANTED else 0.0
-        )
+        if requests[i, REQUEST_VERDICT] == _GRANTED:
+            seat_of(chunk, requests[i, REQUEST_SEAT])[SCORE + lane] += 1.0
     removed = 0
     for slot in range(int(chunk[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
         catcher = _NO_CATCHER
@@ -246,32 +173,18 @@ def commit(chunk: Rows, s: Settings, lane: int, targets: Rows, requests: Request
 
 @phase
 def resolve_requests(
-    chunk: Rows,
-    s: Settings,
-    width: Width,
-    lanes: int,
-    targets: Rows,
-    given_requests: RequestTable,
-    sections: Sections,
+    chunk: Rows, s: Settings, lanes: int, targets: Rows, given_requests: RequestTable, sections: Sections
 ) -> None:
-    """R1.4's phases 3 and 4: refuse requests that fail alone, several lanes together, and judge the rest lane by lane.
+    """R1.4's phases 3 and 4: judge the requests of this step, and carry out the grants, lane by lane.
 
     Args:
         given_requests: a table of further requests in a chunk of one arena: their seats and slots, or the codes in
             place of slots, after H rows for the requests of the hunters' actions, which come first; or empty.
     """
-    service_up = sections.scratch_rows[:LANES]
-    clear_verdicts(chunk, s, width)
-    decide_kill_service(chunk, s, width, lanes, service_up)
-    table = given_requests
-    if len(given_requests) == 0:
-        table = sections.requests
-        if s.policy != CAPSTONE:
-            refuse_requests(chunk, s, width, lanes, targets, sections, service_up)
+    table = given_requests if len(given_requests) > 0 else sections.requests
     for lane in range(lanes):
         requests = table[collect_requests(chunk, s, lane, sections, table) :]
-        if len(requests) == 0:
-            continue
-        fill_requests(chunk, s, lane, targets, requests, sections)
-        judge_requests(chunk, s, lane, requests, service_up[lane] > 0.0)
-        commit(chunk, s, lane, targets, requests, sections)
+        if len(requests) > 0:
+            fill_requests(chunk, s, lane, targets, requests, sections)
+            judge_requests(chunk, s, lane, requests)
+            commit(chunk, s, lane, targets, requests, sections)

@@ -59,7 +59,7 @@ def play(
         command_targets(chunk, s, width, lanes, targets, sections.scratch_rows)
     if s.prey > 0:
         command_prey(chunk, s, lanes, targets, commands, sections)
-    resolve_requests(chunk, s, width, lanes, targets, given_requests, sections)
+    resolve_requests(chunk, s, lanes, targets, given_requests, sections)
     move(chunk, s, width, lanes, targets, sections.scratch_rows)
     spawn_through(chunk, s, lanes, targets)
     if s.prey > 0:

@@ -3,9 +3,8 @@
 Rules and phases are written for one lane. `group` decides the meaning of `lane`. With a width of one it is a plain
 index, and everything is a plain number. With a larger width it is that index and the next ones, and reading with it
 gives a vector. On vectors `+ - * /`, comparisons, `&`, `|` and the functions below work number by number, with the
-same bits. A vector of int64 is an index too: a separate place in each lane. In compiled code a vector is one of the
-processor's, and stays in registers. In interpreted code it is a NumPy array. Do not use `+=`: it would change an array
-under all its names.
+same bits. In compiled code a vector is one of the processor's, and stays in registers. In interpreted code it is a
+NumPy array. Do not use `+=`: it would change an array under all its names.
 
 The functions below are those that a rule needs besides operators: `select` in place of `a if condition else b`,
 `floor`, `sqrt`, and a few for bits. Each is written twice: for Python, and, with Numba's extension interface, for the
@@ -266,22 +265,6 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     row, lane = arguments
     pointer = pointer_to(context, builder, row, lane, vector)
     return builder.load(pointer, align=vector.dtype.bitwidth // 8)
-
-
-def _type_of_gathered(row: Any, places: Any) -> Any:
-    if isinstance(row, ArrayAt) and isinstance(places, Vector) and places.dtype == types.int64:
-        return like(places, row.dtype)(row, places)
-    return None
-
-
-@compiled_as(operator.getitem, _type_of_gathered, 2, ArrayAt, Vector)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    (row, places), vector = arguments, signature.return_type
-    numbers = ir.Constant(low_level(vector), ir.Undefined)
-    for lane in map(INT32, range(vector.count)):
-        pointer = pointer_to(context, builder, row, builder.extract_element(places, lane), vector.dtype)
-        numbers = builder.insert_element(numbers, builder.load(pointer), lane)
-    return numbers
 
 
 def _type_of_store(row: Any, lane: Any, _value: Any) -> Any:
