@@ -21,7 +21,7 @@ from catch_arena.core.state import (
     played_lanes,
     seat_of,
 )
-from catch_arena.core.vectors import Width, any_of, floor, group, select
+from catch_arena.core.vectors import Width, floor, group, select
 
 TICK_MS: Final = 16
 """R1.2: time from one tick to the next [ms]."""
@@ -64,13 +64,12 @@ def ticks_until(time_ms: float) -> float:
 
 
 @phase
-def move_body(me: Rows, width: Width, side: float, fewest: int, most: int, ticks: Rows) -> None:
+def move_body(me: Rows, width: Width, side: float, most: int, ticks: Rows) -> None:
     """R2.2, R2.3: move one body by all ticks of a step.
 
     Args:
         me: the rows of the body; its pose and AT_WALL are written.
-        fewest: least number of ticks in any lane.
-        most: greatest number of ticks in any lane: `fewest`, or one more.
+        most: greatest number of ticks in any lane.
         ticks: number of ticks of each lane, one row.
     """
     for first in range(0, played_lanes(width), len(width)):
@@ -80,12 +79,9 @@ def move_body(me: Rows, width: Width, side: float, fewest: int, most: int, ticks
         turn = me[TURN_RATE + lane] * DT
         turn_sine, turn_cosine = sincos(turn)
         at_wall = False
-        for _ in range(fewest):
-            x, y, sine, cosine, held = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side)
-            at_wall = at_wall | held
-        if fewest < most:  # steps have one length, so that the numbers of ticks differ by one at most
-            moves = ticks[lane] > fewest
-            next_x, next_y, _, _, held = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side)
+        for tick in range(most):
+            moves = ticks[lane] > tick
+            next_x, next_y, sine, cosine, held = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side)
             x = select(moves, next_x, x)
             y = select(moves, next_y, y)
             at_wall = at_wall | (moves & held)
@@ -96,28 +92,23 @@ def move_body(me: Rows, width: Width, side: float, fewest: int, most: int, ticks
 
 
 @outlined
-def drop_stale_commands(chunk: Rows, s: Settings, width: Width, stale: Rows) -> None:
-    """R2.4: stop the hunters whose commands the watchdog dropped in this step.
-
-    Args:
-        stale: one row: 1 if the watchdog has fired, else 0.
-    """
+def drop_stale_commands(chunk: Rows, s: Settings, lanes: int, due: Rows, fresh: Rows) -> None:
+    """R2.4: stop the hunters whose commands the watchdog dropped in this step; `due` and `fresh` as in `move`."""
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
-        for first in range(0, played_lanes(width), len(width)):
-            lane = group(first, width)
-            me[SPEED + lane] = select(stale[lane] > 0.0, 0.0, me[SPEED + lane])
-            me[TURN_RATE + lane] = select(stale[lane] > 0.0, 0.0, me[TURN_RATE + lane])
+        for lane in range(lanes):
+            if fresh[lane] < due[lane]:
+                me[SPEED + lane] = 0.0
+                me[TURN_RATE + lane] = 0.0
 
 
 @phase
-def fewest_and_most(ticks: Rows, lanes: int) -> tuple[int, int]:
-    """Return the least and the greatest number of ticks of a lane."""
-    fewest, most = 1e18, 0.0
+def most_in(ticks: Rows, lanes: int) -> int:
+    """Return the greatest number of ticks of a lane."""
+    most = 0.0
     for lane in range(lanes):
-        fewest = min(fewest, ticks[lane])
         most = max(most, ticks[lane])
-    return int(fewest), int(most)
+    return int(most)
 
 
 @phase
@@ -128,11 +119,9 @@ def move(chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, coun
     Targets have no watchdog (R3.8).
 
     Args:
-        counts: room for three rows: the number of ticks of each lane, the number before its commands are stale, and
-            whether they become stale in this step.
+        counts: room for two rows: the number of ticks of each lane, and the number before its commands are stale.
     """
-    due, fresh, stale = counts[:LANES], counts[LANES : 2 * LANES], counts[2 * LANES : 3 * LANES]
-    any_stale = False
+    due, fresh = counts[:LANES], counts[LANES : 2 * LANES]
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         before = ticks_until(chunk[TIME + lane])
@@ -140,14 +129,12 @@ def move(chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, coun
         until_stale = ticks_until(chunk[TIME + lane] + WATCHDOG_MS) - before
         due[lane] = ticks
         fresh[lane] = select(until_stale < ticks, until_stale, ticks)
-        stale[lane] = select(until_stale < ticks, 1.0, 0.0)
-        any_stale = any_stale | any_of(until_stale < ticks)
-    fewest, most = fewest_and_most(fresh, lanes)
+    most = most_in(fresh, lanes)
     for seat in range(s.hunters):
-        move_body(seat_of(chunk, seat), width, s.side_m, fewest, most, fresh)
-    if any_stale:
-        drop_stale_commands(chunk, s, width, stale)
+        move_body(seat_of(chunk, seat), width, s.side_m, most, fresh)
+    if s.period_ms > WATCHDOG_MS:
+        drop_stale_commands(chunk, s, lanes, due, fresh)
     if s.targets_move:
-        fewest, most = fewest_and_most(due, lanes)
+        most = most_in(due, lanes)
         for slot in range(most_alive(chunk, lanes)):
-            move_body(body_of(targets, s, slot), width, s.side_m, fewest, most, due)
+            move_body(body_of(targets, s, slot), width, s.side_m, most, due)
