@@ -188,7 +188,7 @@ class Settings(NamedTuple):
     target_speed_mps: float
     target_turn_rate_radps: float
     wander_period_ms: float
-    alarm_limit_m2: float
+    alarm_um: float
     prey: int
     prey_min_speed_mps: float
     prey_returns_ms: float

@@ -5,6 +5,8 @@ Chunks of LANES arenas; metres, radians, seconds.
 
 from typing import Final
 
+import numpy as np
+
 from catch_arena.core.arbiter import measure_um
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
@@ -42,12 +44,6 @@ from catch_arena.core.vectors import Width, any_of, floor, group, select, sqrt
 
 STEERING_GAIN: Final = 6.0
 """R3.9, R3.10: turn rate for each radian of bearing error [1/s]."""
-_NO_THREAT: Final = 1e300
-"""Distance of no threat, in micrometres or squared metres."""
-_TIED_M: Final = 4e-6
-"""Bound for each metre of the side [m2 / m]: squares of two distances that round to the same micrometre differ by less.
-One of them is less than a micrometre longer, and neither is longer than 1.5 sides.
-"""
 
 
 @rule
@@ -79,16 +75,12 @@ def renew_wander(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) ->
 
 
 @phase
-def keep_wandering(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int) -> None:
+def keep_wandering(chunk: Rows, s: Settings, lanes: int, targets: Rows, slot: int) -> None:
     """R3.9: draw the turns of the targets in one slot whose periods have ended."""
-    for first in range(0, played_lanes(width), len(width)):
-        lane = group(first, width)
-        ended = targets[slot * s.slot_size + WANDER_ENDS + lane] <= chunk[TIME + lane]
-        if any_of(ended & (chunk[ALIVE + lane] > slot)):
-            for one_lane in range(first, first + len(width)):
-                at = slot * s.slot_size + one_lane
-                if targets[WANDER_ENDS + at] <= chunk[TIME + one_lane] and chunk[ALIVE + one_lane] > slot:
-                    renew_wander(chunk, s, one_lane, targets, at)
+    for lane in range(lanes):
+        at = slot * s.slot_size + lane
+        if targets[WANDER_ENDS + at] <= chunk[TIME + lane] and chunk[ALIVE + lane] > slot:
+            renew_wander(chunk, s, lane, targets, at)
 
 
 @outlined
@@ -97,7 +89,7 @@ def nearest_hunter(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) 
     seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
     step, number = chunk[STEP + lane], targets[NUMBER + at]
     chosen = NO_SEAT
-    nearest = _NO_THREAT
+    nearest = np.inf
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
         if me[WITHDRAWN + lane] > 0.0:
@@ -114,35 +106,29 @@ def find_threats(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: in
     """R3.10: find the hunter nearest to each target in one slot.
 
     Args:
-        threats: the result, three rows: the square of the hunter's distance [m2], and the target's position relative to
-            it, east and north [m].
+        threats: the result, three rows: the hunter's distance [micrometres], infinite if there is none, and the
+            target's position relative to it, east and north [m].
     """
-    margin = _TIED_M * s.side_m
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         x, y = targets[slot * s.slot_size + TARGET_X + lane], targets[slot * s.slot_size + TARGET_Y + lane]
-        # times 0: makes a number for each lane, as the loop below needs
-        nearest, second, east, north = 0.0 * x + _NO_THREAT, 0.0 * x + _NO_THREAT, 0.0 * x, 0.0 * x
+        threats[lane] = np.inf
+        some_tied = False
         for seat in range(s.hunters):
             me = seat_of(chunk, seat)
             dx, dy = x - me[X + lane], y - me[Y + lane]
-            square = select(me[WITHDRAWN + lane] > 0.0, _NO_THREAT, dx * dx + dy * dy)
-            nearer = square < nearest
-            second = select(nearer, nearest, select(square < second, square, second))
-            east = select(nearer, dx, east)
-            north = select(nearer, dy, north)
-            nearest = select(nearer, square, nearest)
-        threats[lane] = nearest
-        threats[LANES + lane] = east
-        threats[2 * LANES + lane] = north
-        may_tie = second - nearest < margin
-        if any_of(may_tie & (nearest < s.alarm_limit_m2) & (chunk[ALIVE + lane] > slot)):
-            for one_lane in range(first, first + len(width)):
-                at = slot * s.slot_size + one_lane
-                seat = nearest_hunter(chunk, s, one_lane, targets, at)
-                if seat >= 0:
-                    threats[LANES + one_lane] = targets[TARGET_X + at] - seat_of(chunk, seat)[X + one_lane]
-                    threats[2 * LANES + one_lane] = targets[TARGET_Y + at] - seat_of(chunk, seat)[Y + one_lane]
+            um = select(me[WITHDRAWN + lane] > 0.0, np.inf, measure_um(dx, dy))
+            nearer = um < threats[lane]
+            some_tied = some_tied | any_of(um == threats[lane])
+            threats[LANES + lane] = select(nearer, dx, threats[LANES + lane])
+            threats[2 * LANES + lane] = select(nearer, dy, threats[2 * LANES + lane])
+            threats[lane] = select(nearer, um, threats[lane])
+        for one_lane in range(first, first + len(width) if some_tied else first):
+            at = slot * s.slot_size + one_lane
+            seat = nearest_hunter(chunk, s, one_lane, targets, at)
+            if seat != NO_SEAT:
+                threats[LANES + one_lane] = targets[TARGET_X + at] - seat_of(chunk, seat)[X + one_lane]
+                threats[2 * LANES + one_lane] = targets[TARGET_Y + at] - seat_of(chunk, seat)[Y + one_lane]
 
 
 @phase
@@ -164,7 +150,7 @@ def steer(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int, thre
         speed = s.target_speed_mps
         steers = held
         if s.target_motion == FLEEING:
-            threatened = threats[lane] < s.alarm_limit_m2
+            threatened = threats[lane] < s.alarm_um
             dx, dy = threats[LANES + lane], threats[2 * LANES + lane]
             distance = sqrt(dx * dx + dy * dy)
             apart = distance > 0.0
@@ -189,7 +175,7 @@ def command_targets(chunk: Rows, s: Settings, width: Width, lanes: int, targets:
         threats: room for three rows: see `find_threats`.
     """
     for slot in range(most_alive(chunk, lanes)):
-        keep_wandering(chunk, s, width, targets, slot)
+        keep_wandering(chunk, s, lanes, targets, slot)
         if s.target_motion == FLEEING:
             find_threats(chunk, s, width, targets, slot, threats)
         steer(chunk, s, width, targets, slot, threats)
