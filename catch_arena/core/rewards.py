@@ -108,35 +108,26 @@ def count_catches(chunk: Rows, s: Settings, width: Width, sections: Sections, ca
 
 @outlined
 def share_rewards(chunk: Rows, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards) -> None:
-    """R11.2: replace each seat's own earnings by a mix of them and the mean of its team.
+    """R11.2: write each seat's mix of its own earnings and the mean of its team.
 
     Args:
-        sections: see `memory.Sections`; each seat's reward is written over its own earnings in the team rows.
+        sections: see `memory.Sections`; the earnings of each seat are in the team rows.
     """
-    teams, earned = sections.teams, sections.team_rows[s.hunters * LANES :]
-    for leader in range(s.hunters):
-        if teams[leader] != leader:
-            continue
-        members = 0.0
-        for seat in range(leader, s.hunters):
-            members += 1.0 if teams[seat] == leader else 0.0
+    teams, earned, row = sections.teams, sections.team_rows[s.hunters * LANES :], sections.scratch_rows
+    for seat in range(s.hunters):
+        me, leader = seat_of(chunk, seat), teams[seat]
         for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
-            total = earned[leader * LANES + lane]
-            for seat in range(leader + 1, s.hunters):
-                if teams[seat] == leader:
-                    total = total + earned[seat * LANES + lane]
-            mean = total / members
-            for seat in range(leader, s.hunters):
-                if teams[seat] == leader:
-                    me = seat_of(chunk, seat)
-                    shared = (1.0 - s.team_share) * earned[seat * LANES + lane] + s.team_share * mean
-                    shared = select(me[WITHDRAWN + lane] == 0.0, shared, 0.0)
-                    me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + shared
-                    earned[seat * LANES + lane] = shared
-    for seat in range(s.hunters):
+            total, members = earned[leader * LANES + lane], 1.0
+            for mate in range(leader + 1, s.hunters):
+                if teams[mate] == leader:
+                    total = total + earned[mate * LANES + lane]
+                    members += 1.0
+            shared = (1.0 - s.team_share) * earned[seat * LANES + lane] + s.team_share * (total / members)
+            row[lane] = select(me[WITHDRAWN + lane] == 0.0, shared, 0.0)
+            me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + row[lane]
         for lane in range(lanes):
-            rewards[lane, seat] = earned[seat * LANES + lane]
+            rewards[lane, seat] = row[lane]
 
 
 @phase
@@ -210,18 +201,11 @@ def reward(
 
 
 @outlined
-def write_team_scores(
-    chunk: Rows, s: Settings, width: Width, lanes: int, sections: Sections, scores: NDArray[np.float64]
-) -> None:
+def write_team_scores(chunk: Rows, s: Settings, lanes: int, sections: Sections, scores: NDArray[np.float64]) -> None:
     """R11.1: write the sum of the scores of each team's hunters; `scores`, (lanes, teams), is the result."""
-    teams, team_seats, row = sections.teams, sections.team_seats, sections.scratch_rows
-    for team in range(len(team_seats)):
-        for first in range(0, played_lanes(width), len(width)):
-            lane = group(first, width)
-            total = 0.0
+    for lane in range(lanes):
+        for team in range(len(sections.team_seats)):
+            scores[lane, team] = 0.0
             for seat in range(s.hunters):
-                if teams[seat] == team_seats[team]:
-                    total = total + seat_of(chunk, seat)[SCORE + lane]
-            row[lane] = total
-        for lane in range(lanes):
-            scores[lane, team] = row[lane]
+                if sections.teams[seat] == sections.team_seats[team]:
+                    scores[lane, team] += seat_of(chunk, seat)[SCORE + lane]

@@ -126,5 +126,4 @@ def run(
         if s.dropout_rate > 0.0 or s.prey > 0:
             write_active(chunk, s, lanes, sections.active[first_arena:stop_arena])
         if s.has_teams:
-            team_scores = sections.team_scores[first_arena:stop_arena]
-            write_team_scores(chunk, s, width, lanes, sections, team_scores)
+            write_team_scores(chunk, s, lanes, sections, sections.team_scores[first_arena:stop_arena])
