@@ -9,7 +9,7 @@ from typing import Any, Final, get_args
 import numpy as np
 
 from catch_arena.config import ArbitrationPolicy, checked_teams, require_choice, require_hunters_per_catch
-from catch_arena.core import arbiter, state
+from catch_arena.core import arbiter, rows
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.plain import plain_setting, real_number, whole_number
 from catch_arena.seeding import checked_seed
@@ -89,7 +89,7 @@ def arbitrate(
         row[arbiter.REQUEST_REACH] = reaches_um[seat]
         row[arbiter.REQUEST_INACTIVE] = seat in out
         row[arbiter.REQUEST_TEAM] = team_of.get(seat, 0)
-        row[arbiter.REQUEST_DISTANCE] = state.NOT_MEASURED
+        row[arbiter.REQUEST_DISTANCE] = rows.NOT_MEASURED
         row[arbiter.REQUEST_TARGET] = requested_target(name, numbers, gone)
         if isinstance(name, str) and row[arbiter.REQUEST_TARGET] > 0:
             (x, y), (target_x, target_y) = places[seat], alive[name]
@@ -111,10 +111,10 @@ def arbitrate(
 def requested_target(name: object, alive: Mapping[str, int], gone: Collection[str]) -> int:
     """Return a name's entry in a request table: the number or slot of the alive target, or a code for none (R5.2)."""
     if not isinstance(name, str) or len(name) > _LONGEST_NAME:
-        return state.MALFORMED_REQUEST
+        return rows.MALFORMED_REQUEST
     if name in alive:
         return alive[name]
-    return state.ALREADY_GONE if name in gone else state.NEVER_SPAWNED
+    return rows.ALREADY_GONE if name in gone else rows.NEVER_SPAWNED
 
 
 def rulings_of(table: arbiter.RequestTable, names: Sequence[object], step: int) -> list[Ruling]:

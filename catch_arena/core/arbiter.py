@@ -11,10 +11,10 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core import rows
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import entry, outlined, phase, rule
 from catch_arena.core.random import service_lot, tie_lot
-from catch_arena.core.state import ALREADY_GONE, MALFORMED_REQUEST, NEVER_SPAWNED, NO_SEAT, NOT_MEASURED
 from catch_arena.core.vectors import floor, sqrt
 from catch_arena.verdicts import Verdict
 
@@ -91,15 +91,15 @@ def first_failed_test(
     """
     if over:
         return _MATCH_OVER
-    if target == MALFORMED_REQUEST:
+    if target == rows.MALFORMED_REQUEST:
         return _MALFORMED
     if inactive:
         return _HUNTER_INACTIVE
     if duplicate:
         return _DUPLICATE
-    if target == NEVER_SPAWNED:
+    if target == rows.NEVER_SPAWNED:
         return _UNKNOWN_TARGET
-    if target == ALREADY_GONE:
+    if target == rows.ALREADY_GONE:
         return _ALREADY_CAUGHT
     if not service_up:
         return _SERVICE_DOWN
@@ -111,7 +111,7 @@ def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) 
     """R9.1: return the verdict of the original's service, which grants every request that it can answer at all."""
     if over:
         return _MATCH_OVER
-    if target == MALFORMED_REQUEST:
+    if target == rows.MALFORMED_REQUEST:
         return _MALFORMED
     if inactive:
         return _HUNTER_INACTIVE
@@ -190,9 +190,9 @@ def judge(
                 service_up,
             )
         requests[i, REQUEST_VERDICT] = verdict
-        requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == _GRANTED else NO_SEAT
+        requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == _GRANTED else rows.NO_SEAT
         if verdict not in (ELIGIBLE, OUT_OF_REACH):
-            requests[i, REQUEST_DISTANCE] = NOT_MEASURED  # R5.6
+            requests[i, REQUEST_DISTANCE] = rows.NOT_MEASURED  # R5.6
     if partners_needed > 0:
         refuse_without_partners(requests, partners_needed)
     for i in range(len(requests)):
@@ -253,7 +253,7 @@ def decide_contest(requests: RequestTable, one: int, policy: int, seed: np.uint6
             requests[i, REQUEST_WINNER] = winner
     requests[best, REQUEST_VERDICT] = _KILL_FAILED if requests[best, REQUEST_KILL_REFUSED] != 0 else _GRANTED
     if requests[best, REQUEST_KILL_REFUSED] != 0 and claimants == 1:
-        requests[best, REQUEST_WINNER] = NO_SEAT  # R5.6: neither a grant nor a contest
+        requests[best, REQUEST_WINNER] = rows.NO_SEAT  # R5.6: neither a grant nor a contest
 
 
 @entry

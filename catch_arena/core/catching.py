@@ -2,6 +2,7 @@
 
 from typing import Final
 
+from catch_arena.core import rows
 from catch_arena.core.arbiter import (
     REQUEST_DISTANCE,
     REQUEST_INACTIVE,
@@ -23,33 +24,8 @@ from catch_arena.core.prey import catch_prey
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
 from catch_arena.core.rewards import renew_progress_reference
 from catch_arena.core.spawner import remove_target
-from catch_arena.core.state import (
-    ALIVE,
-    CONTESTS_WON,
-    DISTANCE,
-    ENDED,
-    LANES,
-    NO_TARGET,
-    NOT_MEASURED,
-    NUMBER,
-    REQUESTED_NUMBER,
-    RUNNING,
-    SCORE,
-    SEED_HIGH,
-    SEED_LOW,
-    STEP,
-    TALLIES,
-    TARGET_X,
-    TARGET_Y,
-    VERDICT,
-    WINNER,
-    WITHDRAWN,
-    Settings,
-    X,
-    Y,
-    limits_of,
-    seat_of,
-)
+from catch_arena.core.state import Settings, limits_of, seat_of
+from catch_arena.core.vectors import LANES
 from catch_arena.verdicts import NO_REQUEST, Verdict
 
 _GRANTED: Final = int(Verdict.GRANTED)
@@ -70,9 +46,9 @@ def collect_requests(chunk: Rows, s: Settings, lane: int, sections: Sections, ta
     """
     first = s.hunters
     for seat in range(s.hunters - 1, -1, -1):
-        seat_of(chunk, seat)[VERDICT + lane] = _NO_VERDICT
+        seat_of(chunk, seat)[rows.VERDICT + lane] = _NO_VERDICT
         slot = sections.requested_slots[seat, lane]
-        if slot != float(NO_TARGET):
+        if slot != float(rows.NO_TARGET):
             first -= 1
             table[first, REQUEST_SEAT] = seat
             table[first, REQUEST_TARGET] = int(slot)
@@ -90,24 +66,26 @@ def fill_requests(
             from REQUEST_NUMBER to REQUEST_TEAM are written.
         sections: see `memory.Sections`; its limits and teams are read.
     """
-    seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
-    step = chunk[STEP + lane]
+    seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
+    step = chunk[rows.STEP + lane]
     for i in range(len(requests)):
         seat = requests[i, REQUEST_SEAT]
         me = seat_of(chunk, seat)
         slot = requests[i, REQUEST_TARGET]
         requests[i, REQUEST_NUMBER] = 0
-        requests[i, REQUEST_DISTANCE] = NOT_MEASURED
+        requests[i, REQUEST_DISTANCE] = rows.NOT_MEASURED
         requests[i, REQUEST_REACH] = int(limits_of(sections.limits, seat).reach_um)
-        requests[i, REQUEST_INACTIVE] = int(me[WITHDRAWN + lane])
+        requests[i, REQUEST_INACTIVE] = int(me[rows.WITHDRAWN + lane])
         requests[i, REQUEST_KILL_REFUSED] = 0
         requests[i, REQUEST_TEAM] = sections.teams[seat]
         if slot >= 0:
             at = slot * s.slot_size + lane
-            number = targets[NUMBER + at]
+            number = targets[rows.NUMBER + at]
             requests[i, REQUEST_NUMBER] = int(number)
             requests[i, REQUEST_DISTANCE] = int(
-                measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
+                measure_um(
+                    targets[rows.TARGET_X + at] - me[rows.X + lane], targets[rows.TARGET_Y + at] - me[rows.Y + lane]
+                )
             )
             requests[i, REQUEST_KILL_REFUSED] = int(kill_refused(seed, step, number, s.kill_refused_rate))
 
@@ -119,22 +97,22 @@ def judge_requests(chunk: Rows, s: Settings, lane: int, requests: RequestTable) 
     Args:
         requests: the request table of the lane; its verdicts and winners are written.
     """
-    seed, step = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane]), int(chunk[STEP + lane])
-    over = chunk[ENDED + lane] != RUNNING
+    seed, step = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane]), int(chunk[rows.STEP + lane])
+    over = chunk[rows.ENDED + lane] != rows.RUNNING
     service_up = not kill_service_down(seed, step, s.kill_down_rate)
     judge(requests, s.policy, seed, step, over, service_up, s.partners_needed)
     for i in range(len(requests) - 1, -1, -1):  # backwards: a hunter's first request is written last
         me = seat_of(chunk, requests[i, REQUEST_SEAT])
-        me[REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
-        me[VERDICT + lane] = requests[i, REQUEST_VERDICT]
-        me[DISTANCE + lane] = requests[i, REQUEST_DISTANCE]
-        me[WINNER + lane] = requests[i, REQUEST_WINNER]
-        me[TALLIES + requests[i, REQUEST_VERDICT] * LANES + lane] += 1.0  # one row for each verdict
+        me[rows.REQUESTED_NUMBER + lane] = requests[i, REQUEST_NUMBER]
+        me[rows.VERDICT + lane] = requests[i, REQUEST_VERDICT]
+        me[rows.DISTANCE + lane] = requests[i, REQUEST_DISTANCE]
+        me[rows.WINNER + lane] = requests[i, REQUEST_WINNER]
+        me[rows.TALLIES + requests[i, REQUEST_VERDICT] * LANES + lane] += 1.0  # one row for each verdict
         if requests[i, REQUEST_WINNER] == requests[i, REQUEST_SEAT]:
             for j in range(len(requests)):
                 same_target = requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
                 if same_target and requests[j, REQUEST_VERDICT] == _LOST_CONTEST:
-                    me[CONTESTS_WON + lane] += 1.0
+                    me[rows.CONTESTS_WON + lane] += 1.0
                     break
 
 
@@ -150,9 +128,9 @@ def commit(chunk: Rows, s: Settings, lane: int, targets: Rows, requests: Request
     """
     for i in range(len(requests)):
         if requests[i, REQUEST_VERDICT] == _GRANTED:
-            seat_of(chunk, requests[i, REQUEST_SEAT])[SCORE + lane] += 1.0
+            seat_of(chunk, requests[i, REQUEST_SEAT])[rows.SCORE + lane] += 1.0
     removed = 0
-    for slot in range(int(chunk[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
+    for slot in range(int(chunk[rows.ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
         catcher = _NO_CATCHER
         for i in range(len(requests)):
             granted = requests[i, REQUEST_VERDICT] == _GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0

@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core import rows
 from catch_arena.core.arbiter import measure_um, to_micrometres, within_reach
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
@@ -12,33 +13,16 @@ from catch_arena.core.memory import Sections
 from catch_arena.core.rewards import set_progress_reference
 from catch_arena.core.state import (
     ABSENT,
-    ACTIVE,
-    BEARING_INTEGRAL,
-    COSINE,
-    DISTANCE_INTEGRAL,
-    LANES,
-    MALFORMED_REQUEST,
-    NO_TARGET,
-    NUMBER,
-    SINE,
-    SPEED,
-    TARGET_X,
-    TARGET_Y,
-    TURN_RATE,
-    WITHDRAWN,
     Order,
     Orders,
     SeatLimits,
     Settings,
-    X,
-    Y,
     item_at_rank,
     limits_of,
-    played_lanes,
     seat_of,
     targets_of,
 )
-from catch_arena.core.vectors import SINGLE, Width, group, select, sqrt
+from catch_arena.core.vectors import LANES, SINGLE, Width, group, played_lanes, select, sqrt
 
 TARGET_CONTROL: Final = 0
 VELOCITY_CONTROL: Final = 1
@@ -102,11 +86,13 @@ def look_up_choices(
         slot = item_at_rank(order, select(shown, rank - 1, 0), lane)
         seen = shown & (slot != ABSENT)
         at = select(seen, slot, 0) * s.slot_size + lane
-        unseen = select(rank > 0, float(MALFORMED_REQUEST), float(NO_TARGET))
+        unseen = select(rank > 0, float(rows.MALFORMED_REQUEST), float(rows.NO_TARGET))
         requested[lane] = select(seen, float(slot), unseen)
-        active_targets[ACTIVE_X + lane] = targets[TARGET_X + at]
-        active_targets[ACTIVE_Y + lane] = targets[TARGET_Y + at]
-        active_targets[ACTIVE_NUMBER + lane] = select(seen & (me[WITHDRAWN + lane] == 0.0), targets[NUMBER + at], 0.0)
+        active_targets[ACTIVE_X + lane] = targets[rows.TARGET_X + at]
+        active_targets[ACTIVE_Y + lane] = targets[rows.TARGET_Y + at]
+        active_targets[ACTIVE_NUMBER + lane] = select(
+            seen & (me[rows.WITHDRAWN + lane] == 0.0), targets[rows.NUMBER + at], 0.0
+        )
 
 
 @phase
@@ -122,16 +108,16 @@ def drive_to_target(
     """
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        dx = active_targets[ACTIVE_X + lane] - me[X + lane]
-        dy = active_targets[ACTIVE_Y + lane] - me[Y + lane]
+        dx = active_targets[ACTIVE_X + lane] - me[rows.X + lane]
+        dy = active_targets[ACTIVE_Y + lane] - me[rows.Y + lane]
         number = active_targets[ACTIVE_NUMBER + lane]
         holds = number == 0.0
-        fresh = holds | (number != me[ACTIVE + lane])
-        sine, cosine = me[SINE + lane], me[COSINE + lane]
+        fresh = holds | (number != me[rows.ACTIVE + lane])
+        sine, cosine = me[rows.SINE + lane], me[rows.COSINE + lane]
         distance = sqrt(dx * dx + dy * dy)
         speed, distance_integral = pi_step(
             distance,
-            select(fresh, 0.0, me[DISTANCE_INTEGRAL + lane]),
+            select(fresh, 0.0, me[rows.DISTANCE_INTEGRAL + lane]),
             s.kp_v,
             s.ki_v,
             limits.min_speed,
@@ -140,21 +126,21 @@ def drive_to_target(
         )
         turn_rate, bearing_integral = pi_step(
             below_pi(atan2(cosine * dy - sine * dx, cosine * dx + sine * dy)),
-            select(fresh, 0.0, me[BEARING_INTEGRAL + lane]),
+            select(fresh, 0.0, me[rows.BEARING_INTEGRAL + lane]),
             s.kp_w,
             s.ki_w,
             -limits.max_turn_rate,
             limits.max_turn_rate,
             s.period_s,
         )
-        me[SPEED + lane] = select(holds, 0.0, speed)
-        me[TURN_RATE + lane] = select(holds, 0.0, turn_rate)
-        me[DISTANCE_INTEGRAL + lane] = select(holds, 0.0, distance_integral)
-        me[BEARING_INTEGRAL + lane] = select(holds, 0.0, bearing_integral)
-        me[ACTIVE + lane] = number
+        me[rows.SPEED + lane] = select(holds, 0.0, speed)
+        me[rows.TURN_RATE + lane] = select(holds, 0.0, turn_rate)
+        me[rows.DISTANCE_INTEGRAL + lane] = select(holds, 0.0, distance_integral)
+        me[rows.BEARING_INTEGRAL + lane] = select(holds, 0.0, bearing_integral)
+        me[rows.ACTIVE + lane] = number
         near = within_reach(to_micrometres(distance), limits.reach_um)
         without_target = requested[lane] < 0.0
-        requested[lane] = select(near | without_target, requested[lane], float(NO_TARGET))
+        requested[lane] = select(near | without_target, requested[lane], float(rows.NO_TARGET))
 
 
 @phase
@@ -163,11 +149,13 @@ def request_nearest(
 ) -> None:
     """R4.4: request the nearest target whenever it is within reach, under velocity control."""
     for lane in range(lanes):
-        requested[lane] = NO_TARGET
+        requested[lane] = rows.NO_TARGET
         slot = item_at_rank(order, 0, lane)
         if slot != ABSENT:
             at = slot * s.slot_size + lane
-            distance_um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
+            distance_um = measure_um(
+                targets[rows.TARGET_X + at] - me[rows.X + lane], targets[rows.TARGET_Y + at] - me[rows.Y + lane]
+            )
             if within_reach(distance_um, limits.reach_um):
                 requested[lane] = slot
 
@@ -183,15 +171,15 @@ def drive_by_command(
         me: the rows of the seat; its velocities are written.
     """
     for lane in range(lanes):
-        me[SPEED + lane] = np.float64(commands[lane, seat, 0]) * limits.max_speed
-        me[TURN_RATE + lane] = np.float64(commands[lane, seat, 1]) * limits.max_turn_rate
+        me[rows.SPEED + lane] = np.float64(commands[lane, seat, 0]) * limits.max_speed
+        me[rows.TURN_RATE + lane] = np.float64(commands[lane, seat, 1]) * limits.max_turn_rate
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        holds = (requested[lane] == float(MALFORMED_REQUEST)) | (me[WITHDRAWN + lane] > 0.0)
-        speed = clamp(me[SPEED + lane], limits.min_speed, limits.max_speed)
-        turn_rate = clamp(me[TURN_RATE + lane], -limits.max_turn_rate, limits.max_turn_rate)
-        me[SPEED + lane] = select(holds, 0.0, speed)
-        me[TURN_RATE + lane] = select(holds, 0.0, turn_rate)
+        holds = (requested[lane] == float(rows.MALFORMED_REQUEST)) | (me[rows.WITHDRAWN + lane] > 0.0)
+        speed = clamp(me[rows.SPEED + lane], limits.min_speed, limits.max_speed)
+        turn_rate = clamp(me[rows.TURN_RATE + lane], -limits.max_turn_rate, limits.max_turn_rate)
+        me[rows.SPEED + lane] = select(holds, 0.0, speed)
+        me[rows.TURN_RATE + lane] = select(holds, 0.0, turn_rate)
 
 
 @phase
@@ -225,7 +213,7 @@ def steer_seat(
         look_up_choices(me, s, lanes, seat, order, targets, choices, requested, active_targets)
         for first in range(0, played_lanes(width), len(width)):  # R4.4: the requested target is active in this step
             lane = group(first, width)
-            me[ACTIVE + lane] = active_targets[ACTIVE_NUMBER + lane]
+            me[rows.ACTIVE + lane] = active_targets[ACTIVE_NUMBER + lane]
         drive_by_command(me, seat, commands, width, lanes, limits, requested)
 
 

@@ -4,8 +4,9 @@ layout.py's table, and the time left.
 
 from typing import Any
 
+from catch_arena.core import rows
 from catch_arena.core.jit import Rows, rule
-from catch_arena.core.state import TIME, Settings
+from catch_arena.core.state import Settings
 from catch_arena.core.tiles import BodyTile, TargetTile
 from catch_arena.core.vectors import select
 from catch_arena.layout import (
@@ -92,6 +93,6 @@ def moving_target_seen(me: BodyTile, target: TargetTile, active: float) -> Any:
 @rule
 def time_left_at(chunk: Rows, s: Settings, lane: int) -> float:
     """R7.1, R12.4: return the time left until the time limit [s]."""
-    remaining = s.time_limit_ms - chunk[TIME + lane]
+    remaining = s.time_limit_ms - chunk[rows.TIME + lane]
     seconds: float = select(remaining > 0.0, remaining / 1000.0, 0.0)
     return seconds

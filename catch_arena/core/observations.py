@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core import rows
 from catch_arena.core.addresses import flat
 from catch_arena.core.features import (
     in_frame_of,
@@ -22,30 +23,13 @@ from catch_arena.core.random import draw, seed_of
 from catch_arena.core.ranking import Bodies, measure_rivals, note_positions, order_bodies, rank_targets, write_order
 from catch_arena.core.state import (
     ABSENT,
-    ACTIVE,
-    BEARING_INTEGRAL,
-    COSINE,
-    DISTANCE_INTEGRAL,
-    LANES,
-    SCORE,
-    SEAT_SIZE,
-    SEED_HIGH,
-    SEED_LOW,
-    SINE,
-    SPEED,
-    STEP,
-    THETA,
-    TURN_RATE,
     Order,
     Orders,
     Settings,
-    X,
-    Y,
     body_of,
     item_at_rank,
     limits_of,
     most_alive,
-    played_lanes,
     seat_at,
     seat_of,
     targets_of,
@@ -73,7 +57,7 @@ from catch_arena.core.transfers import (
     stream_eight,
     take_tile,
 )
-from catch_arena.core.vectors import Width, group
+from catch_arena.core.vectors import LANES, Width, group, played_lanes
 from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
 
@@ -100,9 +84,9 @@ def update_heading(me: Rows, width: Width) -> None:
     """Write the heading's sine and cosine, which the observation and the next step's controller read."""
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        sine, cosine = sincos(me[THETA + lane])
-        me[SINE + lane] = sine
-        me[COSINE + lane] = cosine
+        sine, cosine = sincos(me[rows.THETA + lane])
+        me[rows.SINE + lane] = sine
+        me[rows.COSINE + lane] = cosine
 
 
 @phase
@@ -110,16 +94,16 @@ def write_self(me: Rows, first: int, width: Width, time_left: float, place: Plac
     """R7.1: write a hunter's view of itself, in the lanes of one group; `time_left`: until the time limit [s]."""
     lane = group(first, width)
     seen = SelfFeatures(
-        x=me[X + lane],
-        y=me[Y + lane],
-        heading_cos=me[COSINE + lane],
-        heading_sin=me[SINE + lane],
-        linear_velocity=me[SPEED + lane],
-        angular_velocity=me[TURN_RATE + lane],
+        x=me[rows.X + lane],
+        y=me[rows.Y + lane],
+        heading_cos=me[rows.COSINE + lane],
+        heading_sin=me[rows.SINE + lane],
+        linear_velocity=me[rows.SPEED + lane],
+        angular_velocity=me[rows.TURN_RATE + lane],
         time_left=time_left,
-        score=me[SCORE + lane],
-        distance_integral=me[DISTANCE_INTEGRAL + lane],
-        bearing_integral=me[BEARING_INTEGRAL + lane],
+        score=me[rows.SCORE + lane],
+        distance_integral=me[rows.DISTANCE_INTEGRAL + lane],
+        bearing_integral=me[rows.BEARING_INTEGRAL + lane],
     )
     put_rows(place.out, place.at, place.stride, seen)
 
@@ -130,7 +114,7 @@ def write_targets(
 ) -> None:
     """R7.1, R7.4: write the targets that one seat sees, in the lanes of one group."""
     lane = group(first, width)
-    me, active = body_tile(seat_of(chunk, seat), 0.0, lane), seat_of(chunk, seat)[ACTIVE + lane]
+    me, active = body_tile(seat_of(chunk, seat), 0.0, lane), seat_of(chunk, seat)[rows.ACTIVE + lane]
     for rank in range(s.targets_seen):
         slots = item_at_rank(order, rank, lane)
         present = slots != ABSENT
@@ -187,8 +171,8 @@ def blur_seen(
     columns = target_width(s) if of_targets else rival_width(s)
     for lane in range(first, first + len(width)):
         me = body_tile(seat_of(chunk, seat), 0.0, lane)
-        seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
-        key = blur_key(seed, chunk[STEP + lane], seat, kind)
+        seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
+        key = blur_key(seed, chunk[rows.STEP + lane], seat, kind)
         at = place.at + (lane - first) * place.stride
         for rank in range(s.targets_seen if of_targets else s.hunters_seen):
             item = item_at_rank(order, rank, lane)
@@ -334,7 +318,7 @@ def rank_seen(
         rank_targets(chunk, me, s, first, width, targets, slots, reach_limit_m2, keys)
         write_order(keys, slots, s.targets_seen, first, width, orders[seat])
         if s.hunters_seen > 0:
-            rivals = Bodies(hunters, SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
+            rivals = Bodies(hunters, rows.SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
             measure_rivals(chunk, s, first, width, seat, reach_limit_m2, sections.positions, keys)
             order_bodies(me, first, width, lanes, rivals, sections)
             write_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])

@@ -2,26 +2,11 @@
 
 from typing import Final
 
+from catch_arena.core import rows
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import clamp, sincos, wrap
-from catch_arena.core.state import (
-    AT_WALL,
-    COSINE,
-    LANES,
-    SINE,
-    SPEED,
-    THETA,
-    TIME,
-    TURN_RATE,
-    Settings,
-    X,
-    Y,
-    body_of,
-    most_alive,
-    played_lanes,
-    seat_of,
-)
-from catch_arena.core.vectors import Width, floor, group, select
+from catch_arena.core.state import Settings, body_of, most_alive, seat_of
+from catch_arena.core.vectors import LANES, Width, floor, group, played_lanes, select
 
 TICK_MS: Final = 16
 """R1.2: time from one tick to the next [ms]."""
@@ -74,9 +59,9 @@ def move_body(me: Rows, width: Width, side: float, most: int, ticks: Rows) -> No
     """
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
-        stride = me[SPEED + lane] * DT
-        turn = me[TURN_RATE + lane] * DT
+        x, y, sine, cosine = me[rows.X + lane], me[rows.Y + lane], me[rows.SINE + lane], me[rows.COSINE + lane]
+        stride = me[rows.SPEED + lane] * DT
+        turn = me[rows.TURN_RATE + lane] * DT
         turn_sine, turn_cosine = sincos(turn)
         at_wall = False
         for tick in range(most):
@@ -85,10 +70,10 @@ def move_body(me: Rows, width: Width, side: float, most: int, ticks: Rows) -> No
             x = select(moves, next_x, x)
             y = select(moves, next_y, y)
             at_wall = at_wall | (moves & held)
-        me[X + lane] = x
-        me[Y + lane] = y
-        me[THETA + lane] = turned(me[THETA + lane], turn, ticks[lane])
-        me[AT_WALL + lane] = select(at_wall, 1.0, 0.0)
+        me[rows.X + lane] = x
+        me[rows.Y + lane] = y
+        me[rows.THETA + lane] = turned(me[rows.THETA + lane], turn, ticks[lane])
+        me[rows.AT_WALL + lane] = select(at_wall, 1.0, 0.0)
 
 
 @outlined
@@ -98,8 +83,8 @@ def drop_stale_commands(chunk: Rows, s: Settings, lanes: int, due: Rows, fresh: 
         me = seat_of(chunk, seat)
         for lane in range(lanes):
             if fresh[lane] < due[lane]:
-                me[SPEED + lane] = 0.0
-                me[TURN_RATE + lane] = 0.0
+                me[rows.SPEED + lane] = 0.0
+                me[rows.TURN_RATE + lane] = 0.0
 
 
 @phase
@@ -124,9 +109,9 @@ def move(chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, coun
     due, fresh = counts[:LANES], counts[LANES : 2 * LANES]
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        before = ticks_until(chunk[TIME + lane])
-        ticks = ticks_until(chunk[TIME + lane] + s.period_ms) - before
-        until_stale = ticks_until(chunk[TIME + lane] + WATCHDOG_MS) - before
+        before = ticks_until(chunk[rows.TIME + lane])
+        ticks = ticks_until(chunk[rows.TIME + lane] + s.period_ms) - before
+        until_stale = ticks_until(chunk[rows.TIME + lane] + WATCHDOG_MS) - before
         due[lane] = ticks
         fresh[lane] = select(until_stale < ticks, until_stale, ticks)
     most = most_in(fresh, lanes)

@@ -3,36 +3,13 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core import rows
 from catch_arena.core.jit import Rows, entry, phase
 from catch_arena.core.math import wrap
 from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.spawner import add_target, is_played, remove_target
-from catch_arena.core.state import (
-    ALIVE,
-    ALL_OPTIONS,
-    AT_REST,
-    AT_WALL,
-    FIRINGS,
-    LANES,
-    LAST_NUMBER,
-    NO_TARGET,
-    PREY_SLOT,
-    SEED_HIGH,
-    SEED_LOW,
-    SPEED,
-    STEP,
-    THETA,
-    TIME,
-    TURN_RATE,
-    WITHDRAWN,
-    Settings,
-    X,
-    Y,
-    body_of,
-    prey_of,
-    seat_of,
-    targets_of,
-)
+from catch_arena.core.state import ALL_OPTIONS, Settings, body_of, prey_of, seat_of, targets_of
+from catch_arena.core.vectors import LANES
 
 Table = NDArray[np.float64]
 
@@ -40,9 +17,9 @@ Table = NDArray[np.float64]
 @phase
 def put_body(body: Rows, lane: int, pose: Table) -> None:
     """Put a body at a pose: x, y [m] and heading [rad]."""
-    body[X + lane] = pose[0]
-    body[Y + lane] = pose[1]
-    body[THETA + lane] = wrap(pose[2])
+    body[rows.X + lane] = pose[0]
+    body[rows.Y + lane] = pose[1]
+    body[rows.THETA + lane] = wrap(pose[2])
 
 
 @phase
@@ -52,10 +29,10 @@ def put_target(chunk: Rows, s: Settings, lane: int, targets: Rows, target: Table
     Args:
         target: x, y [m], heading [rad], linear velocity [m/s], age [ms].
     """
-    chunk[LAST_NUMBER + lane] += 1.0
-    add_target(chunk, s, lane, targets, target[0], target[1], target[2], chunk[TIME + lane] - target[4])
+    chunk[rows.LAST_NUMBER + lane] += 1.0
+    add_target(chunk, s, lane, targets, target[0], target[1], target[2], chunk[rows.TIME + lane] - target[4])
     if s.targets_move:
-        body_of(targets, s, int(chunk[ALIVE + lane]) - 1)[SPEED + lane] = target[3]
+        body_of(targets, s, int(chunk[rows.ALIVE + lane]) - 1)[rows.SPEED + lane] = target[3]
 
 
 @entry
@@ -72,22 +49,22 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
     for seat in range(len(hunters)):
         me = seat_of(chunk, seat)
         put_body(me, lane, hunters[seat])
-        me[AT_WALL + lane] = 0.0
-        for offset in AT_REST:
+        me[rows.AT_WALL + lane] = 0.0
+        for offset in rows.AT_REST:
             me[offset + lane] = 0.0
     every = targets_of(chunk, s)
-    for slot in range(int(chunk[ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
+    for slot in range(int(chunk[rows.ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
         if not is_played(chunk, s, lane, slot):
             remove_target(chunk, s, lane, every, slot)
     for index in range(len(prey)):
-        slot = int(prey_of(chunk, s, index)[PREY_SLOT + lane])
-        if slot != NO_TARGET:
+        slot = int(prey_of(chunk, s, index)[rows.PREY_SLOT + lane])
+        if slot != rows.NO_TARGET:
             body = body_of(every, s, slot)
             put_body(body, lane, prey[index])
-            for offset in (SPEED, TURN_RATE, AT_WALL):
+            for offset in (rows.SPEED, rows.TURN_RATE, rows.AT_WALL):
                 body[offset + lane] = 0.0
     for i in range(len(targets)):
-        if chunk[ALIVE + lane] < s.max_targets:
+        if chunk[rows.ALIVE + lane] < s.max_targets:
             put_target(chunk, s, lane, every, targets[i])
 
 
@@ -107,20 +84,20 @@ def place_all(
     s = settings_in(sections.settings, ALL_OPTIONS)
     for i in range(len(arenas)):
         chunk, lane = sections.chunks[arenas[i] // LANES], arenas[i] % LANES
-        high, low = chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane]
+        high, low = chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane]
         for row in range(len(chunk) // LANES):
             chunk[row * LANES + lane] = 0.0
-        chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane] = high, low
-        chunk[STEP + lane] = steps[i]
-        chunk[TIME + lane] = steps[i] * s.period_ms
-        chunk[FIRINGS + lane] = np.floor(chunk[TIME + lane] / s.spawn_period_ms)
+        chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane] = high, low
+        chunk[rows.STEP + lane] = steps[i]
+        chunk[rows.TIME + lane] = steps[i] * s.period_ms
+        chunk[rows.FIRINGS + lane] = np.floor(chunk[rows.TIME + lane] / s.spawn_period_ms)
         for seat in range(s.hunters):
             me = seat_of(chunk, seat)
             if np.isnan(hunters[i, seat, 0]):
-                me[WITHDRAWN + lane] = 1.0
+                me[rows.WITHDRAWN + lane] = 1.0
             else:
                 put_body(me, lane, hunters[i, seat])
-                me[SPEED + lane] = hunters[i, seat, 3]
+                me[rows.SPEED + lane] = hunters[i, seat, 3]
         every = targets_of(chunk, s)
         for slot in range(targets.shape[1]):
             if not np.isnan(targets[i, slot, 0]):

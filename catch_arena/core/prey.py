@@ -9,47 +9,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core import rows
 from catch_arena.core.jit import Rows, entry, outlined, rule
 from catch_arena.core.math import clamp
 from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.random import seed_of
 from catch_arena.core.spawner import spawn_next
-from catch_arena.core.state import (
-    ALIVE,
-    ALL_OPTIONS,
-    BODY,
-    CAUGHT_AT,
-    CAUGHT_BY,
-    ENDED,
-    FINAL_RANK,
-    FINAL_REWARD_SUM,
-    FINAL_SCORE,
-    LANES,
-    NO_SEAT,
-    NO_TARGET,
-    NOT_CAUGHT,
-    NOT_MEASURED,
-    PREY_REWARD_SUM,
-    PREY_SLOT,
-    PREY_WITHDRAWN,
-    RUNNING,
-    SEED_HIGH,
-    SEED_LOW,
-    SPEED,
-    TARGET_X,
-    TARGET_Y,
-    TIME,
-    TIMES_CAUGHT,
-    TURN_RATE,
-    Settings,
-    X,
-    Y,
-    prey_of,
-    seat_of,
-    targets_of,
-)
+from catch_arena.core.state import ALL_OPTIONS, Settings, prey_of, seat_of, targets_of
 from catch_arena.core.targets import nearest_hunter
-from catch_arena.core.vectors import sqrt
+from catch_arena.core.vectors import LANES, sqrt
 
 # rows of a prey's reference, kept from phase 2 to its reward
 IN_PLAY: Final = 0 * LANES  # flag: it was not out on S_t; 0 or 1
@@ -63,9 +31,9 @@ def begin_prey(chunk: Rows, s: Settings, lane: int) -> None:
     """R12.1: give the first targets to prey, by index."""
     for index in range(s.prey):
         me = prey_of(chunk, s, index)
-        me[PREY_SLOT + lane] = index
-        me[CAUGHT_AT + lane] = NOT_CAUGHT
-        me[CAUGHT_BY + lane] = NO_SEAT
+        me[rows.PREY_SLOT + lane] = index
+        me[rows.CAUGHT_AT + lane] = rows.NOT_CAUGHT
+        me[rows.CAUGHT_BY + lane] = rows.NO_SEAT
 
 
 @outlined
@@ -81,11 +49,11 @@ def command_prey(
         me, agent = prey_of(chunk, s, index), s.hunters + index
         reference = sections.prey_references[index]
         for lane in range(lanes):
-            slot = int(me[PREY_SLOT + lane])
-            me[CAUGHT_BY + lane] = NO_SEAT
-            reference[IN_PLAY + lane] = 0.0 if slot == NO_TARGET else 1.0
-            reference[HUNTER_DISTANCE + lane] = NOT_MEASURED
-            if slot == NO_TARGET:
+            slot = int(me[rows.PREY_SLOT + lane])
+            me[rows.CAUGHT_BY + lane] = rows.NO_SEAT
+            reference[IN_PLAY + lane] = 0.0 if slot == rows.NO_TARGET else 1.0
+            reference[HUNTER_DISTANCE + lane] = rows.NOT_MEASURED
+            if slot == rows.NO_TARGET:
                 continue
             at = slot * s.slot_size + lane
             speed = clamp(
@@ -96,13 +64,13 @@ def command_prey(
                 -s.target_turn_rate_radps,
                 s.target_turn_rate_radps,
             )
-            driven = me[PREY_WITHDRAWN + lane] == 0.0
-            targets[BODY + SPEED + at] = speed if driven else 0.0
-            targets[BODY + TURN_RATE + at] = turn_rate if driven else 0.0
+            driven = me[rows.PREY_WITHDRAWN + lane] == 0.0
+            targets[rows.BODY + rows.SPEED + at] = speed if driven else 0.0
+            targets[rows.BODY + rows.TURN_RATE + at] = turn_rate if driven else 0.0
             if s.needs_gain:
                 seat = nearest_hunter(chunk, s, lane, targets, at)
                 if seat >= 0:
-                    x, y = seat_of(chunk, seat)[X + lane], seat_of(chunk, seat)[Y + lane]
+                    x, y = seat_of(chunk, seat)[rows.X + lane], seat_of(chunk, seat)[rows.Y + lane]
                     reference[HUNTER_X + lane] = x
                     reference[HUNTER_Y + lane] = y
                     reference[HUNTER_DISTANCE + lane] = distance(targets, at, x, y)
@@ -111,7 +79,7 @@ def command_prey(
 @rule
 def distance(targets: Rows, at: int, x: float, y: float) -> float:
     """Return the distance between a target and a position [m]."""
-    dx, dy = x - targets[TARGET_X + at], y - targets[TARGET_Y + at]
+    dx, dy = x - targets[rows.TARGET_X + at], y - targets[rows.TARGET_Y + at]
     return sqrt(dx * dx + dy * dy)
 
 
@@ -120,11 +88,11 @@ def catch_prey(chunk: Rows, s: Settings, lane: int, seat: int, slot: int) -> Non
     """R12.3: mark the prey that plays the target in one slot as caught by a seat; called before the target leaves."""
     for index in range(s.prey):
         me = prey_of(chunk, s, index)
-        if me[PREY_SLOT + lane] == slot:
-            me[PREY_SLOT + lane] = NO_TARGET
-            me[TIMES_CAUGHT + lane] += 1.0
-            me[CAUGHT_AT + lane] = chunk[TIME + lane]
-            me[CAUGHT_BY + lane] = seat
+        if me[rows.PREY_SLOT + lane] == slot:
+            me[rows.PREY_SLOT + lane] = rows.NO_TARGET
+            me[rows.TIMES_CAUGHT + lane] += 1.0
+            me[rows.CAUGHT_AT + lane] = chunk[rows.TIME + lane]
+            me[rows.CAUGHT_BY + lane] = seat
 
 
 @outlined
@@ -133,27 +101,29 @@ def return_prey(chunk: Rows, s: Settings, lanes: int, targets: Rows) -> None:
     for index in range(s.prey):
         me = prey_of(chunk, s, index)
         for lane in range(lanes):
-            now = chunk[TIME + lane] + s.period_ms
+            now = chunk[rows.TIME + lane] + s.period_ms
             if (
-                me[PREY_SLOT + lane] == NO_TARGET
-                and now >= me[CAUGHT_AT + lane] + s.prey_returns_ms
-                and chunk[ALIVE + lane] < s.max_targets
+                me[rows.PREY_SLOT + lane] == rows.NO_TARGET
+                and now >= me[rows.CAUGHT_AT + lane] + s.prey_returns_ms
+                and chunk[rows.ALIVE + lane] < s.max_targets
             ):
-                me[PREY_SLOT + lane] = chunk[ALIVE + lane]
-                me[CAUGHT_AT + lane] = NOT_CAUGHT
-                spawn_next(chunk, s, lane, targets, seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane]), now)
+                me[rows.PREY_SLOT + lane] = chunk[rows.ALIVE + lane]
+                me[rows.CAUGHT_AT + lane] = rows.NOT_CAUGHT
+                spawn_next(
+                    chunk, s, lane, targets, seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane]), now
+                )
 
 
 @rule
 def prey_parts(me: Rows, s: Settings, lane: int, targets: Rows, reference: Rows) -> tuple[float, float, float]:
     """R12.5: return the reward parts of one prey that is not withdrawn, in the order of `state.PREY_PART_NAMES`."""
-    if me[CAUGHT_BY + lane] >= 0.0:
+    if me[rows.CAUGHT_BY + lane] >= 0.0:
         return 1.0, 0.0, 0.0
     if reference[IN_PLAY + lane] == 0.0:
         return 0.0, 0.0, 0.0
     gained = 0.0
     if reference[HUNTER_DISTANCE + lane] >= 0.0:
-        at = int(me[PREY_SLOT + lane]) * s.slot_size + lane
+        at = int(me[rows.PREY_SLOT + lane]) * s.slot_size + lane
         x, y = reference[HUNTER_X + lane], reference[HUNTER_Y + lane]
         gained = distance(targets, at, x, y) - reference[HUNTER_DISTANCE + lane]
     return 0.0, s.period_s, gained
@@ -182,12 +152,12 @@ def reward_prey(
         reference = sections.prey_references[index]
         for lane in range(lanes):
             total, caught, survived, gained = 0.0, 0.0, 0.0, 0.0
-            if had_ended and sections.snapshot[ENDED + lane] != RUNNING:
-                me[CAUGHT_BY + lane] = NO_SEAT
-            elif me[PREY_WITHDRAWN + lane] == 0.0:
+            if had_ended and sections.snapshot[rows.ENDED + lane] != rows.RUNNING:
+                me[rows.CAUGHT_BY + lane] = rows.NO_SEAT
+            elif me[rows.PREY_WITHDRAWN + lane] == 0.0:
                 caught, survived, gained = prey_parts(me, s, lane, targets, reference)
                 total = s.caught_weight * caught + s.survived_weight * survived + s.gained_weight * gained
-                me[PREY_REWARD_SUM + lane] += total
+                me[rows.PREY_REWARD_SUM + lane] += total
             rewards[lane, s.hunters + index] = total
             if len(parts) > 0:
                 parts[lane, index, 0] = caught
@@ -198,9 +168,9 @@ def reward_prey(
 @rule
 def is_ahead(one: Rows, other: Rows, lane: int) -> bool:
     """R12.5: return whether one prey ranks before another: withdrawn prey is last, then fewer catches come first."""
-    if one[PREY_WITHDRAWN + lane] != other[PREY_WITHDRAWN + lane]:
-        return bool(one[PREY_WITHDRAWN + lane] < other[PREY_WITHDRAWN + lane])
-    return bool(one[TIMES_CAUGHT + lane] < other[TIMES_CAUGHT + lane])
+    if one[rows.PREY_WITHDRAWN + lane] != other[rows.PREY_WITHDRAWN + lane]:
+        return bool(one[rows.PREY_WITHDRAWN + lane] < other[rows.PREY_WITHDRAWN + lane])
+    return bool(one[rows.TIMES_CAUGHT + lane] < other[rows.TIMES_CAUGHT + lane])
 
 
 @outlined
@@ -215,9 +185,9 @@ def write_prey_records(chunk: Rows, s: Settings, lane: int, record: NDArray[np.f
         rank = 1.0
         for other in range(s.prey):
             rank += 1.0 if is_ahead(prey_of(chunk, s, other), me, lane) else 0.0
-        record[s.hunters + index, FINAL_SCORE] = me[TIMES_CAUGHT + lane]
-        record[s.hunters + index, FINAL_RANK] = rank
-        record[s.hunters + index, FINAL_REWARD_SUM] = me[PREY_REWARD_SUM + lane]
+        record[s.hunters + index, rows.FINAL_SCORE] = me[rows.TIMES_CAUGHT + lane]
+        record[s.hunters + index, rows.FINAL_RANK] = rank
+        record[s.hunters + index, rows.FINAL_REWARD_SUM] = me[rows.PREY_REWARD_SUM + lane]
 
 
 @entry
@@ -227,8 +197,8 @@ def withdraw_prey_at(memory: Bytes, arena: int, index: int) -> None:
     s = settings_in(sections.settings, ALL_OPTIONS)
     chunk, lane = sections.chunks[arena // LANES], arena % LANES
     me, targets = prey_of(chunk, s, index), targets_of(chunk, s)
-    me[PREY_WITHDRAWN + lane] = 1.0
-    slot = int(me[PREY_SLOT + lane])
-    if slot != NO_TARGET:
-        targets[slot * s.slot_size + BODY + SPEED + lane] = 0.0
-        targets[slot * s.slot_size + BODY + TURN_RATE + lane] = 0.0
+    me[rows.PREY_WITHDRAWN + lane] = 1.0
+    slot = int(me[rows.PREY_SLOT + lane])
+    if slot != rows.NO_TARGET:
+        targets[slot * s.slot_size + rows.BODY + rows.SPEED + lane] = 0.0
+        targets[slot * s.slot_size + rows.BODY + rows.TURN_RATE + lane] = 0.0

@@ -6,34 +6,16 @@ observes hunters and prey.
 
 from typing import Final
 
+from catch_arena.core import rows
 from catch_arena.core.addresses import flat
 from catch_arena.core.features import body_seen, time_left_at
 from catch_arena.core.jit import Rows, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import FAR, NO_OBSERVER, Bodies, body_in, item_of, key_of, order_bodies
-from catch_arena.core.state import (
-    ABSENT,
-    BODY,
-    BODY_ROWS,
-    COSINE,
-    LANES,
-    NO_TARGET,
-    PREY_SLOT,
-    SEAT_SIZE,
-    SINE,
-    SPEED,
-    TIMES_CAUGHT,
-    TURN_RATE,
-    WITHDRAWN,
-    Settings,
-    X,
-    Y,
-    prey_of,
-    seat_at,
-)
+from catch_arena.core.state import ABSENT, Settings, prey_of, seat_at
 from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile, tile_index
 from catch_arena.core.transfers import Place, put_rows, take_tile
-from catch_arena.core.vectors import Width, group, long, select
+from catch_arena.core.vectors import LANES, Width, group, long, select
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
 _SELF_WIDTH: Final = len(PreySelfFeatures._fields)
@@ -48,11 +30,11 @@ def gather_prey(chunk: Rows, s: Settings, lanes: int, targets: Rows, sections: S
     for index in range(s.prey):
         me, gathered = prey_of(chunk, s, index), sections.gathered_prey[index]
         for lane in range(lanes):
-            slot = int(me[PREY_SLOT + lane])
-            gathered[WITHDRAWN + lane] = 1.0 if slot == NO_TARGET else 0.0
-            at = max(slot, 0) * s.slot_size + BODY + lane
-            for row in range(0, BODY_ROWS * LANES, LANES):
-                gathered[row + lane] = 0.0 if slot == NO_TARGET else targets[at + row]
+            slot = int(me[rows.PREY_SLOT + lane])
+            gathered[rows.WITHDRAWN + lane] = 1.0 if slot == rows.NO_TARGET else 0.0
+            at = max(slot, 0) * s.slot_size + rows.BODY + lane
+            for row in range(0, rows.BODY_ROWS * LANES, LANES):
+                gathered[row + lane] = 0.0 if slot == rows.NO_TARGET else targets[at + row]
 
 
 @phase
@@ -61,8 +43,8 @@ def rank_bodies(me: Rows, first: int, width: Width, lanes: int, bodies: Bodies, 
     keys, lane = sections.keys, group(first, width)
     for item in range(bodies.total):
         other = body_in(bodies, item)
-        key = key_of(other[X + lane] - me[X + lane], other[Y + lane] - me[Y + lane], item)
-        unseen = (other[WITHDRAWN + lane] > 0.0) | (me[WITHDRAWN + lane] > 0.0) | (item == bodies.observer)
+        key = key_of(other[rows.X + lane] - me[rows.X + lane], other[rows.Y + lane] - me[rows.Y + lane], item)
+        unseen = (other[rows.WITHDRAWN + lane] > 0.0) | (me[rows.WITHDRAWN + lane] > 0.0) | (item == bodies.observer)
         keys[item * LANES + lane] = select(unseen, FAR, key)
     order_bodies(me, first, width, lanes, bodies, sections)
 
@@ -99,15 +81,15 @@ def write_self(chunk: Rows, me: Rows, s: Settings, first: int, width: Width, cau
     """
     lane = group(first, width)
     own = PreySelfFeatures(
-        x=me[X + lane],
-        y=me[Y + lane],
-        heading_cos=me[COSINE + lane],
-        heading_sin=me[SINE + lane],
-        linear_velocity=me[SPEED + lane],
-        angular_velocity=me[TURN_RATE + lane],
+        x=me[rows.X + lane],
+        y=me[rows.Y + lane],
+        heading_cos=me[rows.COSINE + lane],
+        heading_sin=me[rows.SINE + lane],
+        linear_velocity=me[rows.SPEED + lane],
+        angular_velocity=me[rows.TURN_RATE + lane],
         time_left=time_left_at(chunk, s, lane),
         times_caught=caught[lane],
-        alive=1.0 - me[WITHDRAWN + lane],
+        alive=1.0 - me[rows.WITHDRAWN + lane],
     )
     put_rows(place.out, place.at, place.stride, own)
 
@@ -123,7 +105,10 @@ def write_prey(
     """
     columns = sections.observations.shape[2]
     for index in range(s.prey):
-        me, caught = sections.gathered_prey[index], prey_of(chunk, s, index)[TIMES_CAUGHT : TIMES_CAUGHT + LANES]
+        me, caught = (
+            sections.gathered_prey[index],
+            prey_of(chunk, s, index)[rows.TIMES_CAUGHT : rows.TIMES_CAUGHT + LANES],
+        )
         own = Place(place.out, place.at + (s.hunters + index) * columns, place.stride)
         write_self(chunk, me, s, first, width, caught, own)
         at = own.at + _SELF_WIDTH
@@ -131,7 +116,7 @@ def write_prey(
             of_prey = side == 1
             bodies = Bodies(
                 rows=flat(sections.gathered_prey) if of_prey else chunk[seat_at(0) : seat_at(s.hunters)],
-                size=WITHDRAWN + LANES if of_prey else SEAT_SIZE,
+                size=rows.WITHDRAWN + LANES if of_prey else rows.SEAT_SIZE,
                 total=s.prey if of_prey else s.hunters,
                 observer=index if of_prey else NO_OBSERVER,
                 ranks=min(s.prey - 1 if of_prey else s.hunters, MOST_SEEN_BY_PREY),

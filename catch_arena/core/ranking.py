@@ -7,28 +7,13 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core import rows
 from catch_arena.core.features import body_seen
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.memory import Sections
-from catch_arena.core.state import (
-    ABSENT,
-    ALIVE,
-    COSINE,
-    LANES,
-    MOST,
-    SCORE,
-    SINE,
-    TARGET_X,
-    TARGET_Y,
-    WITHDRAWN,
-    Order,
-    Settings,
-    X,
-    Y,
-    seat_of,
-)
+from catch_arena.core.state import ABSENT, MOST, Order, Settings, seat_of
 from catch_arena.core.tiles import body_tile
-from catch_arena.core.vectors import Width, any_of, byte, group, select, single_bits, truncate
+from catch_arena.core.vectors import LANES, Width, any_of, byte, group, select, single_bits, truncate
 from catch_arena.core.visibility import is_seen
 
 Keys = NDArray[np.int32]
@@ -119,11 +104,11 @@ def rank_targets(
         keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
     """
     lane = group(first, width)
-    x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
-    alive = truncate(chunk[ALIVE + lane])
+    x, y, sine, cosine = me[rows.X + lane], me[rows.Y + lane], me[rows.SINE + lane], me[rows.COSINE + lane]
+    alive = truncate(chunk[rows.ALIVE + lane])
     for slot in range(slots):
         at = slot * s.slot_size + lane
-        dx, dy = targets[TARGET_X + at] - x, targets[TARGET_Y + at] - y
+        dx, dy = targets[rows.TARGET_X + at] - x, targets[rows.TARGET_Y + at] - y
         there = alive > slot
         if s.partial_view:
             there = there & is_seen(dx, dy, sine, cosine, reach_limit_m2, s)
@@ -143,8 +128,8 @@ def note_positions(chunk: Rows, s: Settings, first: int, width: Width, positions
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
         at = 2 * seat * len(width) + group(0, width)
-        positions[at] = select(me[WITHDRAWN + lane] > 0.0, np.inf, me[X + lane])
-        positions[len(width) + at] = me[Y + lane]
+        positions[at] = select(me[rows.WITHDRAWN + lane] > 0.0, np.inf, me[rows.X + lane])
+        positions[len(width) + at] = me[rows.Y + lane]
 
 
 @phase
@@ -157,7 +142,7 @@ def measure_rivals(
         keys: the result, by seat, rows of LANES.
     """
     me, lane = seat_of(chunk, seat), group(first, width)
-    x, y, sine, cosine = me[X + lane], me[Y + lane], me[SINE + lane], me[COSINE + lane]
+    x, y, sine, cosine = me[rows.X + lane], me[rows.Y + lane], me[rows.SINE + lane], me[rows.COSINE + lane]
     for other in range(s.hunters):
         at = 2 * other * len(width) + group(0, width)
         dx, dy = positions[at] - x, positions[len(width) + at] - y
@@ -225,7 +210,7 @@ def has_more_catches(one: Rows, other: Rows, lane: int, listed_first: bool) -> b
     """R7.1: return whether one of two rivals who look alike comes first: the one with more catches, then the one that
     `is_listed_first`.
     """
-    catches, others_catches = one[SCORE + lane], other[SCORE + lane]
+    catches, others_catches = one[rows.SCORE + lane], other[rows.SCORE + lane]
     more: bool = select(catches == others_catches, listed_first, catches > others_catches)
     return more
 

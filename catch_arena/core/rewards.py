@@ -6,33 +6,12 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core import rows
 from catch_arena.core.jit import Rows, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import FAR, key_of
-from catch_arena.core.state import (
-    ABSENT,
-    ALIVE,
-    COSINE,
-    LANES,
-    NOT_MEASURED,
-    PART_NAMES,
-    REWARD_SUM,
-    SCORE,
-    SINE,
-    TARGET_X,
-    TARGET_Y,
-    VERDICT,
-    WITHDRAWN,
-    Order,
-    SeatLimits,
-    Settings,
-    X,
-    Y,
-    item_at_rank,
-    played_lanes,
-    seat_of,
-)
-from catch_arena.core.vectors import Width, group, select, sqrt
+from catch_arena.core.state import ABSENT, PART_NAMES, Order, SeatLimits, Settings, item_at_rank, seat_of
+from catch_arena.core.vectors import LANES, Width, group, played_lanes, select, sqrt
 from catch_arena.core.visibility import is_seen
 from catch_arena.verdicts import Verdict
 
@@ -57,11 +36,11 @@ def set_progress_reference(me: Rows, s: Settings, lanes: int, order: Order, targ
         slot = item_at_rank(order, 0, lane)
         there = slot != ABSENT
         at = select(there, slot, 0) * s.slot_size + lane
-        dx = targets[TARGET_X + at] - me[X + lane]
-        dy = targets[TARGET_Y + at] - me[Y + lane]
-        reference[lane] = targets[TARGET_X + at]
-        reference[LANES + lane] = targets[TARGET_Y + at]
-        reference[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), float(NOT_MEASURED))
+        dx = targets[rows.TARGET_X + at] - me[rows.X + lane]
+        dy = targets[rows.TARGET_Y + at] - me[rows.Y + lane]
+        reference[lane] = targets[rows.TARGET_X + at]
+        reference[LANES + lane] = targets[rows.TARGET_Y + at]
+        reference[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), float(rows.NOT_MEASURED))
 
 
 @outlined
@@ -69,17 +48,17 @@ def renew_progress_reference(
     chunk: Rows, me: Rows, s: Settings, lane: int, targets: Rows, limits: SeatLimits, reference: Rows
 ) -> None:
     """Note the nearest target again in one lane that targets have just left, among those alive after the commit."""
-    reference[2 * LANES + lane] = NOT_MEASURED
+    reference[2 * LANES + lane] = rows.NOT_MEASURED
     nearest = FAR
-    for slot in range(int(chunk[ALIVE + lane])):
+    for slot in range(int(chunk[rows.ALIVE + lane])):
         at = slot * s.slot_size + lane
-        dx = targets[TARGET_X + at] - me[X + lane]
-        dy = targets[TARGET_Y + at] - me[Y + lane]
+        dx = targets[rows.TARGET_X + at] - me[rows.X + lane]
+        dy = targets[rows.TARGET_Y + at] - me[rows.Y + lane]
         key = key_of(dx, dy, slot)
-        if key < nearest and is_seen(dx, dy, me[SINE + lane], me[COSINE + lane], limits.reach_limit_m2, s):
+        if key < nearest and is_seen(dx, dy, me[rows.SINE + lane], me[rows.COSINE + lane], limits.reach_limit_m2, s):
             nearest = key
-            reference[lane] = targets[TARGET_X + at]
-            reference[LANES + lane] = targets[TARGET_Y + at]
+            reference[lane] = targets[rows.TARGET_X + at]
+            reference[LANES + lane] = targets[rows.TARGET_Y + at]
             reference[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
 
 
@@ -96,7 +75,7 @@ def count_catches(chunk: Rows, s: Settings, width: Width, sections: Sections, ca
         lane = group(first, width)
         total = 0.0
         for seat in range(s.hunters):
-            granted = select(seat_of(chunk, seat)[VERDICT + lane] == _GRANTED, 1.0, 0.0)
+            granted = select(seat_of(chunk, seat)[rows.VERDICT + lane] == _GRANTED, 1.0, 0.0)
             total = total + granted
             if s.has_teams:
                 at = teams[seat] * LANES
@@ -124,8 +103,8 @@ def share_rewards(chunk: Rows, s: Settings, width: Width, lanes: int, sections: 
                     total = total + earned[mate * LANES + lane]
                     members += 1.0
             shared = (1.0 - s.team_share) * earned[seat * LANES + lane] + s.team_share * (total / members)
-            row[lane] = select(me[WITHDRAWN + lane] == 0.0, shared, 0.0)
-            me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + row[lane]
+            row[lane] = select(me[rows.WITHDRAWN + lane] == 0.0, shared, 0.0)
+            me[rows.REWARD_SUM + lane] = me[rows.REWARD_SUM + lane] + row[lane]
         for lane in range(lanes):
             rewards[lane, seat] = row[lane]
 
@@ -150,8 +129,8 @@ def reward(
         reference = sections.progress_references[seat]
         for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
-            counts = select(me[WITHDRAWN + lane] == 0.0, 1.0, 0.0)
-            verdict = me[VERDICT + lane]
+            counts = select(me[rows.WITHDRAWN + lane] == 0.0, 1.0, 0.0)
+            verdict = me[rows.VERDICT + lane]
             granted = select(verdict == _GRANTED, 1.0, 0.0)
             of_team = granted
             if s.has_teams:
@@ -162,8 +141,8 @@ def reward(
             rejected = select(refused, counts, 0.0)
             progress = 0.0
             if s.needs_progress:
-                dx = reference[lane] - me[X + lane]
-                dy = reference[LANES + lane] - me[Y + lane]
+                dx = reference[lane] - me[rows.X + lane]
+                dy = reference[LANES + lane] - me[rows.Y + lane]
                 gained = reference[2 * LANES + lane] - sqrt(dx * dx + dy * dy)
                 progress = select((reference[2 * LANES + lane] >= 0.0) & (counts > 0.0), gained, 0.0)
             elapsed = counts * s.period_s
@@ -181,7 +160,7 @@ def reward(
                 total = total + s.mate_catch_weight * mate
                 sections.team_rows[(s.hunters + seat) * LANES + lane] = total
             if not is_shared:
-                me[REWARD_SUM + lane] = me[REWARD_SUM + lane] + total
+                me[rows.REWARD_SUM + lane] = me[rows.REWARD_SUM + lane] + total
             amounts[lane] = total
             if not parts_wanted:
                 continue
@@ -208,4 +187,4 @@ def write_team_scores(chunk: Rows, s: Settings, lanes: int, sections: Sections, 
             scores[lane, team] = 0.0
             for seat in range(s.hunters):
                 if sections.teams[seat] == sections.team_seats[team]:
-                    scores[lane, team] += seat_of(chunk, seat)[SCORE + lane]
+                    scores[lane, team] += seat_of(chunk, seat)[rows.SCORE + lane]

@@ -2,34 +2,13 @@
 
 import numpy as np
 
+from catch_arena.core import rows
 from catch_arena.core.jit import Rows, entry, outlined, phase, rule
 from catch_arena.core.math import TAU, wrap
 from catch_arena.core.memory import Bytes, sections_of, settings_in
 from catch_arena.core.random import PLACE, draw, fraction, seed_of, spawn_refused, spawn_service_down, stream
-from catch_arena.core.state import (
-    ALIVE,
-    ALL_OPTIONS,
-    APPEARED,
-    BODY,
-    FIRINGS,
-    LANES,
-    LAST_NUMBER,
-    NUMBER,
-    PREY_SLOT,
-    SEED_HIGH,
-    SEED_LOW,
-    SKIPPED_DOWN,
-    SKIPPED_FULL,
-    SPAWNED,
-    SPAWNS_REFUSED,
-    THETA,
-    TIME,
-    Settings,
-    X,
-    Y,
-    prey_of,
-    targets_of,
-)
+from catch_arena.core.state import ALL_OPTIONS, Settings, prey_of, targets_of
+from catch_arena.core.vectors import LANES
 
 
 @rule
@@ -58,14 +37,14 @@ def add_target(
     Args:
         time_ms: time at which it appears [ms since reset].
     """
-    slot = int(chunk[ALIVE + lane]) * s.slot_size + lane
-    targets[slot + NUMBER] = chunk[LAST_NUMBER + lane]
-    targets[slot + APPEARED] = time_ms
-    targets[slot + BODY + X] = x
-    targets[slot + BODY + Y] = y
-    targets[slot + BODY + THETA] = wrap(theta) if s.targets_move else theta
-    chunk[ALIVE + lane] += 1.0
-    chunk[SPAWNED + lane] += 1.0
+    slot = int(chunk[rows.ALIVE + lane]) * s.slot_size + lane
+    targets[slot + rows.NUMBER] = chunk[rows.LAST_NUMBER + lane]
+    targets[slot + rows.APPEARED] = time_ms
+    targets[slot + rows.BODY + rows.X] = x
+    targets[slot + rows.BODY + rows.Y] = y
+    targets[slot + rows.BODY + rows.THETA] = wrap(theta) if s.targets_move else theta
+    chunk[rows.ALIVE + lane] += 1.0
+    chunk[rows.SPAWNED + lane] += 1.0
 
 
 @phase
@@ -73,7 +52,7 @@ def is_played(chunk: Rows, s: Settings, lane: int, slot: int) -> bool:
     """Return whether prey plays the target in a slot."""
     played = False
     for index in range(s.prey):
-        played = played or prey_of(chunk, s, index)[PREY_SLOT + lane] == slot
+        played = played or prey_of(chunk, s, index)[rows.PREY_SLOT + lane] == slot
     return bool(played)
 
 
@@ -82,39 +61,39 @@ def remove_target(chunk: Rows, s: Settings, lane: int, targets: Rows, slot: int)
     """R8.2: remove one target from the alive list; later ones move up, so that the order stays."""
     for index in range(s.prey):
         me = prey_of(chunk, s, index)
-        if me[PREY_SLOT + lane] > slot:
-            me[PREY_SLOT + lane] -= 1.0
-    last = int(chunk[ALIVE + lane]) - 1
+        if me[rows.PREY_SLOT + lane] > slot:
+            me[rows.PREY_SLOT + lane] -= 1.0
+    last = int(chunk[rows.ALIVE + lane]) - 1
     for at in range(slot * s.slot_size + lane, last * s.slot_size, LANES):
         targets[at] = targets[at + s.slot_size]
     for at in range(last * s.slot_size + lane, (last + 1) * s.slot_size, LANES):
         targets[at] = 0.0
-    chunk[ALIVE + lane] = last
+    chunk[rows.ALIVE + lane] = last
 
 
 @phase
 def spawn_next(chunk: Rows, s: Settings, lane: int, targets: Rows, seed: np.uint64, time_ms: float) -> None:
     """R3.3: add a target with the next number, at that number's pose."""
-    chunk[LAST_NUMBER + lane] += 1.0
-    x, y, theta = spawn_pose(seed, chunk[LAST_NUMBER + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
+    chunk[rows.LAST_NUMBER + lane] += 1.0
+    x, y, theta = spawn_pose(seed, chunk[rows.LAST_NUMBER + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
     add_target(chunk, s, lane, targets, x, y, theta, time_ms)
 
 
 @phase
 def fire(chunk: Rows, s: Settings, lane: int, targets: Rows, seed: np.uint64) -> None:
     """R3.1, R3.5, R3.6, R8.3: play one firing of the spawn timer."""
-    chunk[FIRINGS + lane] += 1.0
-    if chunk[SPAWNED + lane] >= s.target_budget:
+    chunk[rows.FIRINGS + lane] += 1.0
+    if chunk[rows.SPAWNED + lane] >= s.target_budget:
         return
-    if chunk[ALIVE + lane] >= s.max_targets:
-        chunk[SKIPPED_FULL + lane] += 1.0
-    elif spawn_service_down(seed, chunk[FIRINGS + lane], s.spawn_down_rate):
-        chunk[SKIPPED_DOWN + lane] += 1.0
-    elif spawn_refused(seed, chunk[LAST_NUMBER + lane] + 1.0, s.spawn_refused_rate):
-        chunk[LAST_NUMBER + lane] += 1.0
-        chunk[SPAWNS_REFUSED + lane] += 1.0
+    if chunk[rows.ALIVE + lane] >= s.max_targets:
+        chunk[rows.SKIPPED_FULL + lane] += 1.0
+    elif spawn_service_down(seed, chunk[rows.FIRINGS + lane], s.spawn_down_rate):
+        chunk[rows.SKIPPED_DOWN + lane] += 1.0
+    elif spawn_refused(seed, chunk[rows.LAST_NUMBER + lane] + 1.0, s.spawn_refused_rate):
+        chunk[rows.LAST_NUMBER + lane] += 1.0
+        chunk[rows.SPAWNS_REFUSED + lane] += 1.0
     else:
-        spawn_next(chunk, s, lane, targets, seed, chunk[FIRINGS + lane] * s.spawn_period_ms)
+        spawn_next(chunk, s, lane, targets, seed, chunk[rows.FIRINGS + lane] * s.spawn_period_ms)
 
 
 @phase
@@ -125,8 +104,8 @@ def spawn_through(chunk: Rows, s: Settings, lanes: int, targets: Rows) -> None:
     Therefore these firings may follow the step's ticks.
     """
     for lane in range(lanes):
-        while (chunk[FIRINGS + lane] + 1.0) * s.spawn_period_ms <= chunk[TIME + lane] + s.period_ms:
-            fire(chunk, s, lane, targets, seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane]))
+        while (chunk[rows.FIRINGS + lane] + 1.0) * s.spawn_period_ms <= chunk[rows.TIME + lane] + s.period_ms:
+            fire(chunk, s, lane, targets, seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane]))
 
 
 @entry
@@ -139,11 +118,11 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
     chunk, lane = sections.chunks[arena // LANES], arena % LANES
-    if chunk[ALIVE + lane] >= s.max_targets:
+    if chunk[rows.ALIVE + lane] >= s.max_targets:
         return 0
-    chunk[LAST_NUMBER + lane] += 1.0
-    add_target(chunk, s, lane, targets_of(chunk, s), x, y, theta, chunk[TIME + lane])
-    return int(chunk[LAST_NUMBER + lane])
+    chunk[rows.LAST_NUMBER + lane] += 1.0
+    add_target(chunk, s, lane, targets_of(chunk, s), x, y, theta, chunk[rows.TIME + lane])
+    return int(chunk[rows.LAST_NUMBER + lane])
 
 
 @entry
@@ -155,11 +134,11 @@ def kill(memory: Bytes, arena: int, number: int) -> bool:
     s = settings_in(sections.settings, ALL_OPTIONS)
     chunk, lane = sections.chunks[arena // LANES], arena % LANES
     targets = targets_of(chunk, s)
-    for slot in range(int(chunk[ALIVE + lane])):
-        if targets[slot * s.slot_size + NUMBER + lane] == number:
+    for slot in range(int(chunk[rows.ALIVE + lane])):
+        if targets[slot * s.slot_size + rows.NUMBER + lane] == number:
             if is_played(chunk, s, lane, slot):
                 return False
             remove_target(chunk, s, lane, targets, slot)
-            chunk[SPAWNED + lane] -= 1.0
+            chunk[rows.SPAWNED + lane] -= 1.0
             return True
     return False

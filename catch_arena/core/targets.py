@@ -7,40 +7,13 @@ from typing import Final
 
 import numpy as np
 
+from catch_arena.core import rows
 from catch_arena.core.arbiter import measure_um
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.random import seed_of, threat_lot, wander_draw
-from catch_arena.core.state import (
-    ALIVE,
-    APPEARED,
-    AT_WALL,
-    BODY,
-    COSINE,
-    FLEEING,
-    LANES,
-    NO_SEAT,
-    NUMBER,
-    SEED_HIGH,
-    SEED_LOW,
-    SINE,
-    SPEED,
-    STEP,
-    TARGET_X,
-    TARGET_Y,
-    TIME,
-    TURN_RATE,
-    WANDER,
-    WANDER_ENDS,
-    WITHDRAWN,
-    Settings,
-    X,
-    Y,
-    most_alive,
-    played_lanes,
-    seat_of,
-)
-from catch_arena.core.vectors import Width, any_of, floor, group, select, sqrt
+from catch_arena.core.state import FLEEING, Settings, most_alive, seat_of
+from catch_arena.core.vectors import LANES, Width, any_of, floor, group, played_lanes, select, sqrt
 
 STEERING_GAIN: Final = 6.0
 """R3.9, R3.10: turn rate for each radian of bearing error [1/s]."""
@@ -68,10 +41,10 @@ def steered(east: float, north: float, sine: float, cosine: float, most: float) 
 @outlined
 def renew_wander(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) -> None:
     """R3.9: draw the turn of a target's current period after the last period has ended."""
-    period = floor((chunk[TIME + lane] - targets[APPEARED + at]) / s.wander_period_ms)
-    seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
-    targets[WANDER + at] = wander_draw(seed, targets[NUMBER + at], period)
-    targets[WANDER_ENDS + at] = targets[APPEARED + at] + (period + 1.0) * s.wander_period_ms
+    period = floor((chunk[rows.TIME + lane] - targets[rows.APPEARED + at]) / s.wander_period_ms)
+    seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
+    targets[rows.WANDER + at] = wander_draw(seed, targets[rows.NUMBER + at], period)
+    targets[rows.WANDER_ENDS + at] = targets[rows.APPEARED + at] + (period + 1.0) * s.wander_period_ms
 
 
 @phase
@@ -79,22 +52,24 @@ def keep_wandering(chunk: Rows, s: Settings, lanes: int, targets: Rows, slot: in
     """R3.9: draw the turns of the targets in one slot whose periods have ended."""
     for lane in range(lanes):
         at = slot * s.slot_size + lane
-        if targets[WANDER_ENDS + at] <= chunk[TIME + lane] and chunk[ALIVE + lane] > slot:
+        if targets[rows.WANDER_ENDS + at] <= chunk[rows.TIME + lane] and chunk[rows.ALIVE + lane] > slot:
             renew_wander(chunk, s, lane, targets, at)
 
 
 @outlined
 def nearest_hunter(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) -> int:
     """R3.10, R12.5: return the seat nearest to a target, by lot if several are equally near; NO_SEAT for none."""
-    seed = seed_of(chunk[SEED_HIGH + lane], chunk[SEED_LOW + lane])
-    step, number = chunk[STEP + lane], targets[NUMBER + at]
-    chosen = NO_SEAT
+    seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
+    step, number = chunk[rows.STEP + lane], targets[rows.NUMBER + at]
+    chosen = rows.NO_SEAT
     nearest = np.inf
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
-        if me[WITHDRAWN + lane] > 0.0:
+        if me[rows.WITHDRAWN + lane] > 0.0:
             continue
-        um = measure_um(targets[TARGET_X + at] - me[X + lane], targets[TARGET_Y + at] - me[Y + lane])
+        um = measure_um(
+            targets[rows.TARGET_X + at] - me[rows.X + lane], targets[rows.TARGET_Y + at] - me[rows.Y + lane]
+        )
         tied = um == nearest
         if um < nearest or (tied and threat_lot(seed, step, number, seat) < threat_lot(seed, step, number, chosen)):
             chosen, nearest = seat, um
@@ -111,13 +86,13 @@ def find_threats(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: in
     """
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
-        x, y = targets[slot * s.slot_size + TARGET_X + lane], targets[slot * s.slot_size + TARGET_Y + lane]
+        x, y = targets[slot * s.slot_size + rows.TARGET_X + lane], targets[slot * s.slot_size + rows.TARGET_Y + lane]
         threats[lane] = np.inf
         some_tied = False
         for seat in range(s.hunters):
             me = seat_of(chunk, seat)
-            dx, dy = x - me[X + lane], y - me[Y + lane]
-            um = select(me[WITHDRAWN + lane] > 0.0, np.inf, measure_um(dx, dy))
+            dx, dy = x - me[rows.X + lane], y - me[rows.Y + lane]
+            um = select(me[rows.WITHDRAWN + lane] > 0.0, np.inf, measure_um(dx, dy))
             nearer = um < threats[lane]
             some_tied = some_tied | any_of(um == threats[lane])
             threats[LANES + lane] = select(nearer, dx, threats[LANES + lane])
@@ -126,9 +101,9 @@ def find_threats(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: in
         for one_lane in range(first, first + len(width) if some_tied else first):
             at = slot * s.slot_size + one_lane
             seat = nearest_hunter(chunk, s, one_lane, targets, at)
-            if seat != NO_SEAT:
-                threats[LANES + one_lane] = targets[TARGET_X + at] - seat_of(chunk, seat)[X + one_lane]
-                threats[2 * LANES + one_lane] = targets[TARGET_Y + at] - seat_of(chunk, seat)[Y + one_lane]
+            if seat != rows.NO_SEAT:
+                threats[LANES + one_lane] = targets[rows.TARGET_X + at] - seat_of(chunk, seat)[rows.X + one_lane]
+                threats[2 * LANES + one_lane] = targets[rows.TARGET_Y + at] - seat_of(chunk, seat)[rows.Y + one_lane]
 
 
 @phase
@@ -143,9 +118,9 @@ def steer(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int, thre
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         at = slot * s.slot_size + lane
-        x, y = targets[TARGET_X + at], targets[TARGET_Y + at]
-        sine, cosine = targets[BODY + SINE + at], targets[BODY + COSINE + at]
-        held = targets[BODY + AT_WALL + at] > 0.0
+        x, y = targets[rows.TARGET_X + at], targets[rows.TARGET_Y + at]
+        sine, cosine = targets[rows.BODY + rows.SINE + at], targets[rows.BODY + rows.COSINE + at]
+        held = targets[rows.BODY + rows.AT_WALL + at] > 0.0
         east, north = s.side_m / 2.0 - x, s.side_m / 2.0 - y
         speed = s.target_speed_mps
         steers = held
@@ -159,12 +134,12 @@ def steer(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int, thre
             north = select(threatened, select(apart, dy / away, sine) + 2.0 * push(y, s.side_m), north)
             speed = select(threatened, s.target_speed_mps, s.target_speed_mps / 2.0)
             steers = steers | threatened
-        alive = chunk[ALIVE + lane] > slot
-        turn_rate = targets[WANDER + at] * s.target_turn_rate_radps
+        alive = chunk[rows.ALIVE + lane] > slot
+        turn_rate = targets[rows.WANDER + at] * s.target_turn_rate_radps
         if any_of(steers & alive):
             turn_rate = select(steers, steered(east, north, sine, cosine, s.target_turn_rate_radps), turn_rate)
-        targets[BODY + SPEED + at] = select(alive, speed, 0.0)
-        targets[BODY + TURN_RATE + at] = select(alive, turn_rate, 0.0)
+        targets[rows.BODY + rows.SPEED + at] = select(alive, speed, 0.0)
+        targets[rows.BODY + rows.TURN_RATE + at] = select(alive, turn_rate, 0.0)
 
 
 @phase

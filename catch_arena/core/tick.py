@@ -24,9 +24,9 @@ from catch_arena.core.physics import move
 from catch_arena.core.prey import command_prey, return_prey, reward_prey
 from catch_arena.core.rewards import reward, write_team_scores
 from catch_arena.core.spawner import spawn_through
-from catch_arena.core.state import LANES, STILL, Options, Settings, targets_of
+from catch_arena.core.state import STILL, Options, Settings, targets_of
 from catch_arena.core.targets import command_targets
-from catch_arena.core.vectors import Width
+from catch_arena.core.vectors import LANES, Width
 
 
 @phase

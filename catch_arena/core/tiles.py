@@ -10,23 +10,9 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from catch_arena.core import rows
 from catch_arena.core.jit import Rows, phase, rule
-from catch_arena.core.state import (
-    APPEARED,
-    BODY,
-    COSINE,
-    NUMBER,
-    SCORE,
-    SINE,
-    SPEED,
-    TARGET_X,
-    TARGET_Y,
-    TIME,
-    Settings,
-    X,
-    Y,
-    seat_of,
-)
+from catch_arena.core.state import Settings, seat_of
 from catch_arena.core.transfers import TILE, Place, put_exactly, put_rows, where_present
 from catch_arena.core.vectors import Width, group, lane_numbers
 
@@ -70,12 +56,12 @@ _TARGET_NUMBERS: Final = len(TargetTile._fields)
 def body_tile(body: Rows, team: float, lane: int) -> BodyTile:
     """Return the tile of a body, from its rows up to SCORE and its team."""
     return BodyTile(
-        x=body[X + lane],
-        y=body[Y + lane],
-        sine=body[SINE + lane],
-        cosine=body[COSINE + lane],
-        speed=body[SPEED + lane],
-        score=body[SCORE + lane],
+        x=body[rows.X + lane],
+        y=body[rows.Y + lane],
+        sine=body[rows.SINE + lane],
+        cosine=body[rows.COSINE + lane],
+        speed=body[rows.SPEED + lane],
+        score=body[rows.SCORE + lane],
         team=team,
     )
 
@@ -110,11 +96,11 @@ def tile_targets(chunk: Rows, s: Settings, first: int, width: Width, targets: Ro
     for slot in range(slots):
         lane = group(first, width)
         at = slot * s.slot_size + lane
-        age = (chunk[TIME + lane] - targets[APPEARED + at]) / 1000.0
-        still = targets[TARGET_X + at], targets[TARGET_Y + at], targets[NUMBER + at], age
+        age = (chunk[rows.TIME + lane] - targets[rows.APPEARED + at]) / 1000.0
+        still = targets[rows.TARGET_X + at], targets[rows.TARGET_Y + at], targets[rows.NUMBER + at], age
         if s.targets_move:
-            body = targets[BODY:]
-            put_tile(tiles, slot, width, (*still, body[SINE + at], body[COSINE + at], body[SPEED + at]))
+            body = targets[rows.BODY :]
+            put_tile(tiles, slot, width, (*still, body[rows.SINE + at], body[rows.COSINE + at], body[rows.SPEED + at]))
         else:
             put_tile(tiles, slot, width, still)
 

@@ -23,6 +23,10 @@ from numba.extending import lower_cast, models, register_model
 
 from catch_arena.core.addresses import ArrayAt
 from catch_arena.core.extending import INT32, Emitter, compiled_as, unpacked
+from catch_arena.core.jit import rule
+
+LANES: Final = 32
+"""Number of arenas side by side in a chunk: enough for the widest SIMD registers, few enough for the first caches."""
 
 Width = tuple[int, ...]
 """Number of lanes in a group: the length of the tuple, which the compiler knows."""
@@ -36,6 +40,14 @@ has 16, with which such code would keep numbers in memory.
 """
 
 T = TypeVar("T")
+
+
+@rule
+def played_lanes(width: Width) -> int:
+    """Return the number of a chunk's lanes that are played: one if there is one arena. Lanes after a batch's last arena
+    are played too, and not read: to leave them out would mostly cost more than to play them.
+    """
+    return LANES if len(width) > 1 else 1
 
 
 # ---- for Python ----

@@ -7,8 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core import state
-from catch_arena.core.state import LANES, Regions, slot_rows
+from catch_arena.core import rows, state
+from catch_arena.core.state import Regions, slot_rows
+from catch_arena.core.vectors import LANES
 
 
 def row_of(offset: int) -> int:
@@ -16,24 +17,24 @@ def row_of(offset: int) -> int:
     return offset // LANES
 
 
-HUNTER_DIGEST: Final = [row_of(offset) for offset in state.HUNTER_DIGEST]
+HUNTER_DIGEST: Final = [row_of(offset) for offset in rows.HUNTER_DIGEST]
 """A.8: rows of a hunter that the digest reads, in its order."""
-RULING: Final = slice(row_of(state.RULING[0]), row_of(state.RULING[-1]) + 1)
+RULING: Final = slice(row_of(rows.RULING[0]), row_of(rows.RULING[-1]) + 1)
 """Rows of a hunter's answer."""
 
 
 def _target_digest(*, moving: bool) -> list[int]:
-    return [row_of(offset) for offset in (state.MOVING_TARGET_DIGEST if moving else state.TARGET_DIGEST)]
+    return [row_of(offset) for offset in (rows.MOVING_TARGET_DIGEST if moving else rows.TARGET_DIGEST)]
 
 
 @cache  # every copy of an engine needs them
 def _digest_rows(regions: Regions, hunters: int, max_targets: int, *, moving: bool) -> NDArray[np.int64]:
     """A.8: return the rows that the digest reads before those of prey, in its order, if every slot has a target."""
-    seats = row_of(regions.hunters) + state.HUNTER_ROWS * np.arange(hunters)
+    seats = row_of(regions.hunters) + rows.HUNTER_ROWS * np.arange(hunters)
     slots = row_of(regions.targets) + slot_rows(moving) * np.arange(max_targets)
     of_hunters = np.add.outer(seats, HUNTER_DIGEST)
     of_targets = np.add.outer(slots, _target_digest(moving=moving))
-    return np.concatenate((np.arange(state.ARENA_DIGEST_ROWS), of_hunters.reshape(-1), of_targets.reshape(-1)))
+    return np.concatenate((np.arange(rows.ARENA_DIGEST_ROWS), of_hunters.reshape(-1), of_targets.reshape(-1)))
 
 
 class ChunkViews:
@@ -55,13 +56,13 @@ class ChunkViews:
         first_hunter, first_target, first_prey, end = map(row_of, regions)
         self.fields = chunks.reshape(num_chunks, num_rows, LANES)
         """All rows; the arena's own come first: [chunk, row, lane]."""
-        self.hunters = self.fields[:, first_hunter:first_target].reshape(num_chunks, hunters, state.HUNTER_ROWS, LANES)
+        self.hunters = self.fields[:, first_hunter:first_target].reshape(num_chunks, hunters, rows.HUNTER_ROWS, LANES)
         """Rows of the hunters: [chunk, seat, row, lane]."""
         self.targets = self.fields[:, first_target:first_prey].reshape(num_chunks, config.max_targets, slot, LANES)
         """Rows of the target slots: [chunk, slot, row, lane]."""
         self.target_orders = target_orders.reshape(num_chunks, hunters, config.targets_seen, LANES)
         """Slots in the order in which each seat sees the targets: [chunk, seat, rank, lane]."""
-        self.prey = self.fields[:, first_prey:end].reshape(num_chunks, prey, state.PREY_ROWS, LANES)
+        self.prey = self.fields[:, first_prey:end].reshape(num_chunks, prey, rows.PREY_ROWS, LANES)
         """Rows of prey: [chunk, index, row, lane]."""
         self.target_digest = _target_digest(moving=config.targets_move)
         """A.8: rows of a slot that the digest reads, in its order."""
@@ -77,9 +78,9 @@ class ChunkViews:
 
     def prey_numbers(self, arena: int) -> NDArray[np.float64]:
         """R12.1: return the target numbers that one arena's prey plays, 0 for prey that is out: (P,), a copy."""
-        slots = self.prey_rows(arena)[:, row_of(state.PREY_SLOT)].astype(np.int64)
-        numbers = self.targets[arena // LANES, slots, row_of(state.NUMBER), arena % LANES]
-        return np.where(slots == state.NO_TARGET, 0.0, numbers)
+        slots = self.prey_rows(arena)[:, row_of(rows.PREY_SLOT)].astype(np.int64)
+        numbers = self.targets[arena // LANES, slots, row_of(rows.NUMBER), arena % LANES]
+        return np.where(slots == rows.NO_TARGET, 0.0, numbers)
 
     def numbers_seen(self, seat: int) -> NDArray[np.int64]:
         """R7.1: return the numbers of the targets that one hunter sees in each lane, by rank, 0 for none:
@@ -87,19 +88,19 @@ class ChunkViews:
         """
         slots = self.target_orders[:, seat].swapaxes(1, 2)
         none = np.cumsum(slots == state.ABSENT, axis=2) > 0
-        numbers = self.targets[:, :, row_of(state.NUMBER)].swapaxes(1, 2)
+        numbers = self.targets[:, :, row_of(rows.NUMBER)].swapaxes(1, 2)
         seen = np.take_along_axis(numbers, np.where(none, 0, slots).astype(np.int64), axis=2)
         return np.where(none, 0.0, seen).astype(np.int64).reshape(-1, slots.shape[2])
 
     def active_targets(self) -> NDArray[np.int64]:
         """R4.1: return the numbers of the hunters' active targets in each lane, 0 for none: (chunks * LANES, H)."""
-        numbers = self.hunters[:, :, row_of(state.ACTIVE)].swapaxes(1, 2).astype(np.int64)
+        numbers = self.hunters[:, :, row_of(rows.ACTIVE)].swapaxes(1, 2).astype(np.int64)
         return numbers.reshape(-1, self.hunters.shape[1])
 
     def seeds(self) -> NDArray[np.uint64]:
         """Return the seeds of the current episodes, of all lanes: (chunks * LANES,)."""
         high, low = (
-            self.fields[:, row_of(offset)].reshape(-1).astype(np.uint64) for offset in (state.SEED_HIGH, state.SEED_LOW)
+            self.fields[:, row_of(offset)].reshape(-1).astype(np.uint64) for offset in (rows.SEED_HIGH, rows.SEED_LOW)
         )
         return (high << np.uint64(32)) | low
 
@@ -107,11 +108,12 @@ class ChunkViews:
         """A.8: return the numbers of one arena's state, (n,), in the order in which the digest reads them."""
         chunk, lane = divmod(arena, LANES)
         own = self.fields[chunk, :, lane]
-        alive = int(own[row_of(state.ALIVE)])
+        alive = int(own[row_of(rows.ALIVE)])
         empty_slots = self.targets.shape[1] - alive
-        rows = self._digest_rows[: len(self._digest_rows) - empty_slots * len(self.target_digest)]
-        numbers: NDArray[np.float64] = own[rows]
+        numbers: NDArray[np.float64] = own[
+            self._digest_rows[: len(self._digest_rows) - empty_slots * len(self.target_digest)]
+        ]
         if not self.prey.size:
             return numbers
-        times = self.prey_rows(arena)[:, [row_of(state.TIMES_CAUGHT), row_of(state.CAUGHT_AT)]]
+        times = self.prey_rows(arena)[:, [row_of(rows.TIMES_CAUGHT), row_of(rows.CAUGHT_AT)]]
         return np.concatenate((numbers, np.column_stack((self.prey_numbers(arena), times)).reshape(-1)))

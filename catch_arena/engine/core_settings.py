@@ -10,23 +10,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig, PreyRewardWeights, RewardWeights
+from catch_arena.core import rows
 from catch_arena.core.arbiter import POLICIES, REQUEST_COLUMNS
 from catch_arena.core.math import PI, sincos
 from catch_arena.core.state import (
-    FINAL_TEAM_SCORE,
-    LANES,
     MOST,
     MOTIONS,
     PART_NAMES,
     PREY_PART_NAMES,
-    WITHDRAWN,
     SeatLimits,
     Settings,
     regions_of,
     slot_rows,
 )
 from catch_arena.core.transfers import STREAMED, TILE
-from catch_arena.core.vectors import WIDE
+from catch_arena.core.vectors import LANES, WIDE
 from catch_arena.core.visibility import ALL_ROUND, squared_limit
 from catch_arena.errors import require_type
 from catch_arena.layout import observation_size, prey_observation_size
@@ -152,7 +150,7 @@ def section_shapes(
         "progress_references": (threads, hunters, 3 * LANES),
         "team_rows": (threads, 2 * hunters * LANES if teams else 0),
         "prey_references": (threads, prey, 4 * LANES),
-        "gathered_prey": (threads, prey, WITHDRAWN + LANES),
+        "gathered_prey": (threads, prey, rows.WITHDRAWN + LANES),
         "snapshot": (threads, size),
         "chunks": (chunks, size),
         "target_orders": (chunks, hunters, config.targets_seen * LANES),
@@ -167,5 +165,5 @@ def section_shapes(
         "final_observations": (with_records, agents, columns),
         "final_masks": (with_records, hunters, ranks),
         "lengths": (with_records,),
-        "records": (with_records, agents, FINAL_TEAM_SCORE + (1 if teams else 0)),
+        "records": (with_records, agents, rows.FINAL_TEAM_SCORE + (1 if teams else 0)),
     }

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core import dropouts, placing, spawner, state, tick
+from catch_arena.core import dropouts, placing, rows, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.memory import (
@@ -25,8 +25,8 @@ from catch_arena.core.memory import (
     settings_in,
 )
 from catch_arena.core.prey import withdraw_prey_at
-from catch_arena.core.state import ALL_OPTIONS, LANES
-from catch_arena.core.vectors import PLAYED, SINGLE, WIDE
+from catch_arena.core.state import ALL_OPTIONS
+from catch_arena.core.vectors import LANES, PLAYED, SINGLE, WIDE
 from catch_arena.engine.chunk_views import RULING, ChunkViews, row_of
 from catch_arena.engine.compiling import announced
 from catch_arena.engine.core_settings import limits_by_seat, section_shapes, settings_of
@@ -118,7 +118,7 @@ class Engine:
         with announced(batch=num_arenas > 1, all_rules=options == ALL_OPTIONS):
             tick.run(self._kind, memory, 0, 0, 0, _NO_RESETS, True, *_NO_ACTIONS)  # plays no chunk
         spare = num_arenas - (self._num_chunks - 1) * LANES  # lanes without an arena hold only withdrawn hunters
-        self._views.hunters[-1, :, row_of(state.WITHDRAWN), spare:] = 1.0
+        self._views.hunters[-1, :, row_of(rows.WITHDRAWN), spare:] = 1.0
 
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Bind the memory's sections to attributes."""
@@ -143,7 +143,7 @@ class Engine:
         """R5.6: answers of the first arena in its last step: (H, 4). Columns: the target's number, 0 for none; verdict;
         distance [micrometres] and winner's seat, -1 for none. Verdict 0 is no request; ignore the other columns then.
         """
-        self.caught_by = self._views.prey[0, :, row_of(state.CAUGHT_BY), 0]
+        self.caught_by = self._views.prey[0, :, row_of(rows.CAUGHT_BY), 0]
         """R12.3: seat that caught each prey of the first arena in its last step, -1 for none: (P,)."""
         saved, finished = offset_of("chunks", memory), offset_of("final_observations", memory)
         self._saved, self._finished = memory[saved:finished], memory[finished:]

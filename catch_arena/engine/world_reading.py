@@ -1,8 +1,8 @@
 """Reading of an arena's memory for people: its World, and the rulings of its last step."""
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core import state
-from catch_arena.core.state import LANES
+from catch_arena.core import rows
+from catch_arena.core.vectors import LANES
 from catch_arena.engine.chunk_views import HUNTER_DIGEST, RULING, ChunkViews, row_of
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, PreyState, TargetState, World
@@ -11,15 +11,14 @@ from catch_arena.world import HunterState, PreyState, TargetState, World
 def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
     """Return one arena as a World, with names."""
     chunk, lane = divmod(arena, LANES)
-    own = views.fields[chunk, : state.ARENA_ROWS, lane].tolist()
-    alive = int(own[row_of(state.ALIVE)])
+    own = views.fields[chunk, : rows.ARENA_ROWS, lane].tolist()
+    alive = int(own[row_of(rows.ALIVE)])
     prey, players = _prey_states(config, views, arena) if config.prey else ((), {})
-    rows = views.hunter_rows(arena)[:, HUNTER_DIGEST].tolist()
-    hunters = zip(config.hunter_names, config.team_by_seat, rows, strict=True)
+    hunters = views.hunter_rows(arena)[:, HUNTER_DIGEST].tolist()
     targets = views.targets[chunk, :alive, views.target_digest, lane].T.tolist()
     return World(
-        time_ms=int(own[row_of(state.TIME)]),
-        step=int(own[row_of(state.STEP)]),
+        time_ms=int(own[row_of(rows.TIME)]),
+        step=int(own[row_of(rows.STEP)]),
         side_m=config.side_m,
         hunters=tuple(
             HunterState(
@@ -35,7 +34,9 @@ def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
                 withdrawn=withdrawn > 0,
                 team=team,
             )
-            for name, team, (x, y, theta, speed, turn_rate, _, _, active, score, at_wall, withdrawn) in hunters
+            for name, team, (x, y, theta, speed, turn_rate, _, _, active, score, at_wall, withdrawn) in zip(
+                config.hunter_names, config.team_by_seat, hunters, strict=True
+            )
         ),
         targets=tuple(
             TargetState(
@@ -53,7 +54,7 @@ def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
             for slot, (number, x, y, theta, appeared, *motion) in enumerate(targets)
         ),
         rulings=read_rulings(config, views, arena),
-        spawned=int(own[row_of(state.SPAWNED)]),
+        spawned=int(own[row_of(rows.SPAWNED)]),
         prey=prey,
     )
 
@@ -61,7 +62,7 @@ def read_world(config: ArenaConfig, views: ChunkViews, arena: int) -> World:
 def read_rulings(config: ArenaConfig, views: ChunkViews, arena: int) -> tuple[Ruling, ...]:
     """R5.6: return the verdicts of one arena's last step with their evidence, by seat."""
     found = []
-    steps = int(views.fields[arena // LANES, row_of(state.STEP), arena % LANES])
+    steps = int(views.fields[arena // LANES, row_of(rows.STEP), arena % LANES])
     for seat, (number, verdict, distance, winner) in enumerate(views.hunter_rows(arena)[:, RULING].tolist()):
         if verdict == NO_REQUEST:
             continue
@@ -80,11 +81,11 @@ def _prey_states(config: ArenaConfig, views: ChunkViews, arena: int) -> tuple[tu
             PreyState(
                 name=name,
                 target=config.target_name(int(number)) if number else None,
-                times_caught=int(me[row_of(state.TIMES_CAUGHT)]),
-                caught_ms=None if number else int(me[row_of(state.CAUGHT_AT)]),
-                caught_by=None if me[row_of(state.CAUGHT_BY)] < 0 else int(me[row_of(state.CAUGHT_BY)]),
-                withdrawn=me[row_of(state.PREY_WITHDRAWN)] > 0,
+                times_caught=int(me[row_of(rows.TIMES_CAUGHT)]),
+                caught_ms=None if number else int(me[row_of(rows.CAUGHT_AT)]),
+                caught_by=None if me[row_of(rows.CAUGHT_BY)] < 0 else int(me[row_of(rows.CAUGHT_BY)]),
+                withdrawn=me[row_of(rows.PREY_WITHDRAWN)] > 0,
             )
         )
-        players[int(me[row_of(state.PREY_SLOT)])] = name
+        players[int(me[row_of(rows.PREY_SLOT)])] = name
     return tuple(states), players

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from catch_arena.config import RULESET, ArenaConfig, require_choice, require_options
-from catch_arena.core import state
+from catch_arena.core import rows
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.actions import ActionReader, checked_action
@@ -244,7 +244,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         terminations = dict.fromkeys(agents, False)
         truncations = terminations.copy()
         if ended:
-            (terminations if ended == state.TERMINATED else truncations).update(dict.fromkeys(agents, True))
+            (terminations if ended == rows.TERMINATED else truncations).update(dict.fromkeys(agents, True))
         for agent in leaving:
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False

@@ -10,7 +10,7 @@ from gymnasium import spaces
 from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import MAX_HEADING_RAD, ArenaConfig, require_flag, require_integer
-from catch_arena.core import state
+from catch_arena.core import rows
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.engine import NO_CHOICES, NO_COMMANDS
@@ -26,8 +26,8 @@ from catch_arena.text import shortened
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
-_TERMINATED: Final = np.int8(state.TERMINATED)  # same type as `Engine.ends`, so that NumPy converts nothing
-_TRUNCATED: Final = np.int8(state.TRUNCATED)
+_TERMINATED: Final = np.int8(rows.TERMINATED)  # same type as `Engine.ends`, so that NumPy converts nothing
+_TRUNCATED: Final = np.int8(rows.TRUNCATED)
 _MOST_ENVS: Final = 10**9  # no machine's memory holds more
 _MOST_THREADS: Final = 4096
 
@@ -142,24 +142,24 @@ class VectorArena:
             infos["team_score"] = engine.team_scores
         if engine.auto_reset:
             records, of_hunters = engine.records, engine.records[:, :hunters]
-            tallies = of_hunters[:, :, state.FINAL_TALLIES : state.FINAL_TEAM_SCORE]
-            team_score = state.FINAL_SCORE if self.config.teams is None else state.FINAL_TEAM_SCORE
+            tallies = of_hunters[:, :, rows.FINAL_TALLIES : rows.FINAL_TEAM_SCORE]
+            team_score = rows.FINAL_SCORE if self.config.teams is None else rows.FINAL_TEAM_SCORE
             infos["_final_obs"] = self._ended
             infos["final_obs"] = engine.final_observations
             if self._reads_choices:
                 infos["final_mask"] = engine.final_masks
             infos["episode"] = {
                 "length": np.broadcast_to(engine.lengths[:, None], records.shape[:2]),
-                "return": records[:, :, state.FINAL_REWARD_SUM],
-                "rank": records[:, :, state.FINAL_RANK],
-                "score": of_hunters[:, :, state.FINAL_SCORE],
+                "return": records[:, :, rows.FINAL_REWARD_SUM],
+                "rank": records[:, :, rows.FINAL_RANK],
+                "score": of_hunters[:, :, rows.FINAL_SCORE],
                 "team_score": of_hunters[:, :, team_score],
-                "contests_won": of_hunters[:, :, state.FINAL_CONTESTS_WON],
+                "contests_won": of_hunters[:, :, rows.FINAL_CONTESTS_WON],
                 "contests_lost": tallies[:, :, Verdict.LOST_CONTEST - 1],
                 "verdicts": tallies,
             }
             if self.num_prey:
-                infos["episode"]["times_caught"] = records[:, hunters:, state.FINAL_SCORE]
+                infos["episode"]["times_caught"] = records[:, hunters:, rows.FINAL_SCORE]
         return infos
 
     def __repr__(self) -> str:

@@ -22,7 +22,7 @@ from properties.matches import (
 from rulebook.adjudicators import as_arrays, by_seat
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core.state import TERMINATED, TRUNCATED
+from catch_arena.core import rows
 from catch_arena.engine import Engine
 from catch_arena.layout import SELF_COLUMNS, columns, prey_columns
 from catch_arena.scenarios import SCENARIOS, scenario
@@ -83,8 +83,8 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
     may_drop_out = config.dropout_rate > 0.0 or config.prey
     assert engine.active[row : row + 1].ravel().tolist() == (taking_part if may_drop_out else []), "active"
     compare_prey(engine, oracle, config, row)
-    assert bool(engine.ends[row] == TERMINATED) == oracle.terminated, "terminated"
-    assert bool(engine.ends[row] == TRUNCATED) == oracle.truncated, "truncated"
+    assert bool(engine.ends[row] == rows.TERMINATED) == oracle.terminated, "terminated"
+    assert bool(engine.ends[row] == rows.TRUNCATED) == oracle.truncated, "truncated"
 
 
 def compare_prey(engine: Engine, oracle: OracleArena, config: ArenaConfig, row: int) -> None:

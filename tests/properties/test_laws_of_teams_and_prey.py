@@ -9,7 +9,7 @@ from properties.matches import settings_of, some_batch_actions, some_config, som
 from properties.test_laws import MATCHES, SEEDS, SOURCES, STEPS
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core.state import TERMINATED
+from catch_arena.core import rows
 from catch_arena.engine import Engine
 
 
@@ -126,7 +126,7 @@ def test_prey_is_neither_lost_nor_doubled(source: Random, seed: int, actions: in
         assert spawned == config.initial_targets + firings - full - down - refused + returns
         assert used == spawned + refused
         assert len(world.targets) <= config.max_targets
-        assert not (engine.ends[0] == TERMINATED and config.prey_returns_s is not None)
+        assert not (engine.ends[0] == rows.TERMINATED and config.prey_returns_s is not None)
         if is_over(engine):
             break
 

@@ -11,15 +11,8 @@ from properties.test_engine_equals_oracle import compare, with_prey
 from rulebook.adjudicators import as_arrays, by_seat
 
 from catch_arena.config import ArenaConfig, Control
+from catch_arena.core import rows
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.core.state import (
-    FINAL_CONTESTS_WON,
-    FINAL_RANK,
-    FINAL_REWARD_SUM,
-    FINAL_SCORE,
-    FINAL_TALLIES,
-    FINAL_TEAM_SCORE,
-)
 from catch_arena.engine import Engine
 from catch_arena.layout import columns
 from catch_arena.verdicts import Verdict
@@ -206,20 +199,22 @@ def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
                 scores = [hunter.score for hunter in oracle.hunters]
                 figures, of_prey = np.split(batch.records[row], [config.hunters])
                 assert batch.lengths[row] == step
-                assert figures[:, FINAL_REWARD_SUM].tolist() == [np.float32(one) for one in paid[row]]
-                assert figures[:, FINAL_SCORE].tolist() == scores
-                assert figures[:, FINAL_CONTESTS_WON].tolist() == won[row].tolist()
-                assert figures[:, FINAL_TALLIES:FINAL_TEAM_SCORE].tolist() == met[row].tolist()
+                assert figures[:, rows.FINAL_REWARD_SUM].tolist() == [np.float32(one) for one in paid[row]]
+                assert figures[:, rows.FINAL_SCORE].tolist() == scores
+                assert figures[:, rows.FINAL_CONTESTS_WON].tolist() == won[row].tolist()
+                assert figures[:, rows.FINAL_TALLIES : rows.FINAL_TEAM_SCORE].tolist() == met[row].tolist()
                 team_scores = oracle.team_scores()
                 for seats, score in zip(config.team_seats, team_scores, strict=True):
-                    assert config.teams is None or (figures[list(seats), FINAL_TEAM_SCORE] == score).all()
-                    assert (figures[list(seats), FINAL_RANK] == 1 + sum(other > score for other in team_scores)).all()
+                    assert config.teams is None or (figures[list(seats), rows.FINAL_TEAM_SCORE] == score).all()
+                    assert (
+                        figures[list(seats), rows.FINAL_RANK] == 1 + sum(other > score for other in team_scores)
+                    ).all()
                 keys = [(one.withdrawn, one.times_caught) for one in oracle.prey]
                 expected = [
                     [one.times_caught, 1 + sum(other < own for other in keys), np.float32(earned)]
                     for one, own, earned in zip(oracle.prey, keys, prey_paid[row], strict=True)
                 ]
-                assert of_prey[:, [FINAL_SCORE, FINAL_RANK, FINAL_REWARD_SUM]].tolist() == expected
+                assert of_prey[:, [rows.FINAL_SCORE, rows.FINAL_RANK, rows.FINAL_REWARD_SUM]].tolist() == expected
     assert all(oracle.terminated or oracle.truncated for oracle in oracles)
     assert won.any() or "reach_m" not in CONFIGS[name]
 

@@ -11,7 +11,7 @@ import numpy as np
 from oracle.arena import PART_NAMES, Command, OracleArena
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core.state import TERMINATED, TRUNCATED
+from catch_arena.core import rows
 from catch_arena.errors import EpisodeError
 from catch_arena.layout import (
     RIVAL_COLUMNS,
@@ -326,8 +326,8 @@ class EngineAdjudicator(Adjudicator):
     prey_rewards = property(lambda self: self.engine.rewards[self.row, self.config.hunters :].tolist())
     prey_parts = property(lambda self: [tuple(map(float, row)) for row in self.engine.prey_parts[self.row]])
     caught_by = property(lambda self: [prey.caught_by for prey in self.engine.world(self.row).prey])
-    terminated = property(lambda self: bool(self.engine.ends[self.row] == TERMINATED))
-    truncated = property(lambda self: bool(self.engine.ends[self.row] == TRUNCATED))
+    terminated = property(lambda self: bool(self.engine.ends[self.row] == rows.TERMINATED))
+    truncated = property(lambda self: bool(self.engine.ends[self.row] == rows.TRUNCATED))
 
 
 class EnvAdjudicator(Adjudicator):

@@ -5,8 +5,9 @@ import dataclasses
 import numpy as np
 import pytest
 
-from catch_arena.core import state
+from catch_arena.core import rows, state
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET
+from catch_arena.core.vectors import LANES
 from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
@@ -27,7 +28,7 @@ def test_a_request_by_name_after_the_end_is_told_too():
     engine.reset([1])
     engine.step(*actions(engine, 0))
     table = np.zeros((3, REQUEST_COLUMNS), np.int64)
-    table[2, [REQUEST_SEAT, REQUEST_TARGET]] = 1, state.NEVER_SPAWNED  # after a row for each hunter
+    table[2, [REQUEST_SEAT, REQUEST_TARGET]] = 1, rows.NEVER_SPAWNED  # after a row for each hunter
     engine.step(*actions(engine, 0), requests=table)
 
     assert [(ruling.hunter, ruling.verdict) for ruling in engine.rulings(0)] == [(1, Verdict.MATCH_OVER)]
@@ -61,10 +62,10 @@ def test_lanes_that_are_no_arenas_get_no_answers(control):
         engine.step(rng.integers(0, 9, (5, 4)), rng.uniform(-1, 1, (5, 4, 2)).astype(np.float32))
     (chunk,) = engine.chunks
     for seat in range(4):
-        for row in (state.VERDICT, state.REQUESTED_NUMBER, state.DISTANCE, state.WINNER):
-            assert not chunk[state.seat_at(seat) + row :][5 : state.LANES].any()
-    seats = chunk[state.seat_at(0) : state.seat_at(4)].reshape(4, -1, state.LANES)
-    tallies = seats[:, state.TALLIES // state.LANES :]
+        for row in (rows.VERDICT, rows.REQUESTED_NUMBER, rows.DISTANCE, rows.WINNER):
+            assert not chunk[state.seat_at(seat) + row :][5:LANES].any()
+    seats = chunk[state.seat_at(0) : state.seat_at(4)].reshape(4, -1, LANES)
+    tallies = seats[:, rows.TALLIES // LANES :]
     assert not tallies[:, :, 5:].any()
     assert tallies[:, :, :5].any()
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from catch_arena.config import ArenaConfig
+from catch_arena.core import rows
 from catch_arena.core.addresses import by_address
 from catch_arena.core.jit import unkept_entry
 from catch_arena.core.memory import lay_out, sections_of
@@ -20,33 +21,16 @@ from catch_arena.core.ranking import (
     order_bodies,
     write_order,
 )
-from catch_arena.core.state import (
-    ABSENT,
-    ARENA_ROWS,
-    COSINE,
-    HUNTER_ROWS,
-    LANES,
-    SCORE,
-    SEAT_SIZE,
-    SINE,
-    SPEED,
-    WITHDRAWN,
-    X,
-    Y,
-    item_at_rank,
-    played_lanes,
-    seat_at,
-    seat_of,
-)
-from catch_arena.core.vectors import HALF, SINGLE, WIDE
+from catch_arena.core.state import ABSENT, item_at_rank, seat_at, seat_of
+from catch_arena.core.vectors import HALF, LANES, SINGLE, WIDE, played_lanes
 from catch_arena.engine.core_settings import section_shapes, settings_of
 
-LOOKS = (X, Y, SINE, COSINE, SPEED, SCORE)
+LOOKS = (rows.X, rows.Y, rows.SINE, rows.COSINE, rows.SPEED, rows.SCORE)
 
 
 def a_chunk(hunters, looks):
     """A chunk with the rows of so many hunters, whose LOOKS are these: (hunters, len(LOOKS), LANES)."""
-    chunk = np.zeros((ARENA_ROWS + hunters * HUNTER_ROWS) * LANES)
+    chunk = np.zeros((rows.ARENA_ROWS + hunters * rows.HUNTER_ROWS) * LANES)
     for seat, own in enumerate(looks):
         for row, numbers in zip(LOOKS, own, strict=True):
             at = seat_at(seat) + row
@@ -81,7 +65,7 @@ def sort(memory, chunk, seat, width, lanes, s, order):
     for first in range(0, played_lanes(width), len(width)):
         note_positions(chunk, s, first, width, sections.positions)
         measure_rivals(chunk, s, first, width, seat, 0.0, sections.positions, sections.keys)
-        rivals = Bodies(chunk[seat_at(0) : seat_at(s.hunters)], SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
+        rivals = Bodies(chunk[seat_at(0) : seat_at(s.hunters)], rows.SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
         order_bodies(seat_of(chunk, seat), first, width, lanes, rivals, sections)
         write_order(sections.keys, s.hunters, s.hunters_seen, first, width, order)
 
@@ -103,7 +87,7 @@ def test_r7_1_rivals_come_in_the_order_in_which_python_sorts_them(hunters, width
         looks[:, :2] *= rng.integers(0, 3, (hunters, 2, LANES))
         chunk = a_chunk(hunters, looks)
         for seat in range(hunters):
-            at = seat_at(seat) + WITHDRAWN
+            at = seat_at(seat) + rows.WITHDRAWN
             chunk[at : at + LANES] = rng.random(LANES) < 0.1
         teams = sections.teams[:] = rng.integers(0, hunters, hunters)
         for seat in range(hunters):
@@ -121,14 +105,14 @@ def by_python(chunk, seat, hunters, lane, teams):
     """The rivals in order, and how many of them are as far as the one before."""
 
     def distance(other):
-        rows = chunk[seat_at(other) :], chunk[seat_at(seat) :]
-        return (rows[0][X + lane] - rows[1][X + lane]) ** 2 + (rows[0][Y + lane] - rows[1][Y + lane]) ** 2
+        its, own = chunk[seat_at(other) :], chunk[seat_at(seat) :]
+        return (its[rows.X + lane] - own[rows.X + lane]) ** 2 + (its[rows.Y + lane] - own[rows.Y + lane]) ** 2
 
     def compare(one, other):
         if distance(one) != distance(other):
             return distance(one) - distance(other)
         return -1 if first_of(chunk, seat, one, other, lane, teams) else 1
 
-    seen = [other for other in range(hunters) if other != seat and not chunk[seat_at(other) + WITHDRAWN + lane]]
+    seen = [other for other in range(hunters) if other != seat and not chunk[seat_at(other) + rows.WITHDRAWN + lane]]
     order = sorted(seen, key=cmp_to_key(compare))
     return order, sum(distance(one) == distance(other) for one, other in pairwise(order))
