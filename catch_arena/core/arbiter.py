@@ -40,18 +40,10 @@ POLICIES: Final = {"nearest": NEAREST, "first_come": FIRST_COME, "capstone": CAP
 
 ELIGIBLE: Final = -1
 """Value in place of a verdict: no test of R5.2 fails. NO_REQUEST is 0."""
-_MATCH_OVER: Final = int(Verdict.MATCH_OVER)
-_MALFORMED: Final = int(Verdict.MALFORMED)
-_HUNTER_INACTIVE: Final = int(Verdict.HUNTER_INACTIVE)
-_DUPLICATE: Final = int(Verdict.DUPLICATE)
-_UNKNOWN_TARGET: Final = int(Verdict.UNKNOWN_TARGET)
-_ALREADY_CAUGHT: Final = int(Verdict.ALREADY_CAUGHT)
-_SERVICE_DOWN: Final = int(Verdict.SERVICE_DOWN)
-OUT_OF_REACH: Final = int(Verdict.OUT_OF_REACH)
-_LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
-_KILL_FAILED: Final = int(Verdict.KILL_FAILED)
-_GRANTED: Final = int(Verdict.GRANTED)
-_WAITING_FOR_PARTNER: Final = int(Verdict.WAITING_FOR_PARTNER)
+_MAY_CATCH: Final = (ELIGIBLE, int(Verdict.WAITING_FOR_PARTNER))
+"""R5.10: verdicts of requests that fail no test alone, before contests are decided."""
+_REACH_TESTED: Final = (ELIGIBLE, int(Verdict.OUT_OF_REACH))
+"""R5.6: verdicts of requests whose reach was tested, before contests are decided."""
 
 
 @rule
@@ -90,32 +82,32 @@ def first_failed_test(
         service_up: whether the kill service answers.
     """
     if over:
-        return _MATCH_OVER
+        return Verdict.MATCH_OVER
     if target == rows.MALFORMED_REQUEST:
-        return _MALFORMED
+        return Verdict.MALFORMED
     if inactive:
-        return _HUNTER_INACTIVE
+        return Verdict.HUNTER_INACTIVE
     if duplicate:
-        return _DUPLICATE
+        return Verdict.DUPLICATE
     if target == rows.NEVER_SPAWNED:
-        return _UNKNOWN_TARGET
+        return Verdict.UNKNOWN_TARGET
     if target == rows.ALREADY_GONE:
-        return _ALREADY_CAUGHT
+        return Verdict.ALREADY_CAUGHT
     if not service_up:
-        return _SERVICE_DOWN
-    return ELIGIBLE if within_reach(distance_um, reach_um) else OUT_OF_REACH
+        return Verdict.SERVICE_DOWN
+    return ELIGIBLE if within_reach(distance_um, reach_um) else Verdict.OUT_OF_REACH
 
 
 @rule
 def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
     """R9.1: return the verdict of the original's service, which grants every request that it can answer at all."""
     if over:
-        return _MATCH_OVER
+        return Verdict.MATCH_OVER
     if target == rows.MALFORMED_REQUEST:
-        return _MALFORMED
+        return Verdict.MALFORMED
     if inactive:
-        return _HUNTER_INACTIVE
-    return _GRANTED if service_up else _SERVICE_DOWN
+        return Verdict.HUNTER_INACTIVE
+    return Verdict.GRANTED if service_up else Verdict.SERVICE_DOWN
 
 
 @rule
@@ -190,8 +182,8 @@ def judge(
                 service_up,
             )
         requests[i, REQUEST_VERDICT] = verdict
-        requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == _GRANTED else rows.NO_SEAT
-        if verdict not in (ELIGIBLE, OUT_OF_REACH):
+        requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == Verdict.GRANTED else rows.NO_SEAT
+        if verdict not in _REACH_TESTED:
             requests[i, REQUEST_DISTANCE] = rows.NOT_MEASURED  # R5.6
     if partners_needed > 0:
         refuse_without_partners(requests, partners_needed)
@@ -212,13 +204,13 @@ def refuse_without_partners(requests: RequestTable, partners_needed: int) -> Non
             partners = -1  # the hunter itself is counted too
             for j in range(len(requests)):
                 if (
-                    requests[j, REQUEST_VERDICT] in (ELIGIBLE, _WAITING_FOR_PARTNER)
+                    requests[j, REQUEST_VERDICT] in _MAY_CATCH
                     and requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
                     and requests[j, REQUEST_TEAM] == requests[i, REQUEST_TEAM]
                 ):
                     partners += 1
             if partners < partners_needed:
-                requests[i, REQUEST_VERDICT] = _WAITING_FOR_PARTNER
+                requests[i, REQUEST_VERDICT] = Verdict.WAITING_FOR_PARTNER
 
 
 @outlined
@@ -246,13 +238,13 @@ def decide_contest(requests: RequestTable, one: int, policy: int, seed: np.uint6
                 requests[best, REQUEST_DISTANCE],
             ):
                 best = i
-    winner = requests[best, REQUEST_SEAT]
     for i in range(len(requests)):
         if requests[i, REQUEST_VERDICT] == ELIGIBLE and requests[i, REQUEST_TARGET] == target:
-            requests[i, REQUEST_VERDICT] = _LOST_CONTEST
-            requests[i, REQUEST_WINNER] = winner
-    requests[best, REQUEST_VERDICT] = _KILL_FAILED if requests[best, REQUEST_KILL_REFUSED] != 0 else _GRANTED
-    if requests[best, REQUEST_KILL_REFUSED] != 0 and claimants == 1:
+            requests[i, REQUEST_VERDICT] = Verdict.LOST_CONTEST
+            requests[i, REQUEST_WINNER] = requests[best, REQUEST_SEAT]
+    refused = requests[best, REQUEST_KILL_REFUSED] != 0
+    requests[best, REQUEST_VERDICT] = Verdict.KILL_FAILED if refused else Verdict.GRANTED
+    if refused and claimants == 1:
         requests[best, REQUEST_WINNER] = rows.NO_SEAT  # R5.6: neither a grant nor a contest
 
 

@@ -28,10 +28,8 @@ from catch_arena.core.state import Settings, limits_of, seat_of
 from catch_arena.core.vectors import LANES
 from catch_arena.verdicts import NO_REQUEST, Verdict
 
-_GRANTED: Final = int(Verdict.GRANTED)
 _NO_CATCHER: Final = 1 << 30
 """Value in place of a seat, above every seat: the target is not caught."""
-_LOST_CONTEST: Final = int(Verdict.LOST_CONTEST)
 _NO_VERDICT: Final = float(NO_REQUEST)
 """Value in place of a verdict: the hunter has no request, or no answer yet."""
 
@@ -111,7 +109,7 @@ def judge_requests(chunk: Rows, s: Settings, lane: int, requests: RequestTable) 
         if requests[i, REQUEST_WINNER] == requests[i, REQUEST_SEAT]:
             for j in range(len(requests)):
                 same_target = requests[j, REQUEST_TARGET] == requests[i, REQUEST_TARGET]
-                if same_target and requests[j, REQUEST_VERDICT] == _LOST_CONTEST:
+                if same_target and requests[j, REQUEST_VERDICT] == Verdict.LOST_CONTEST:
                     me[rows.CONTESTS_WON + lane] += 1.0
                     break
 
@@ -127,13 +125,13 @@ def commit(chunk: Rows, s: Settings, lane: int, targets: Rows, requests: Request
         sections: see `memory.Sections`; the progress references are renewed.
     """
     for i in range(len(requests)):
-        if requests[i, REQUEST_VERDICT] == _GRANTED:
+        if requests[i, REQUEST_VERDICT] == Verdict.GRANTED:
             seat_of(chunk, requests[i, REQUEST_SEAT])[rows.SCORE + lane] += 1.0
     removed = 0
     for slot in range(int(chunk[rows.ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
         catcher = _NO_CATCHER
         for i in range(len(requests)):
-            granted = requests[i, REQUEST_VERDICT] == _GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0
+            granted = requests[i, REQUEST_VERDICT] == Verdict.GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0
             if granted and requests[i, REQUEST_TARGET] == slot:
                 catcher = min(catcher, requests[i, REQUEST_SEAT])  # of several, under `capstone`, the lowest
         if catcher != _NO_CATCHER:
