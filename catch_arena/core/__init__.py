@@ -8,7 +8,8 @@ chunks.
 
 - tick: one step, phase by phase: begin to read here. episodes: begin and end of episodes. placing: bodies at given
   poses.
-- Memory: state (an arena's rows), memory (an engine's bytes, with scratch of each thread).
+- Memory: rows (those of an arena), state (settings, and views of the rows), memory (an engine's bytes, with scratch of
+  each thread).
 - The phases: controllers, targets, dropouts, catching with arbiter, physics, spawner, rewards; prey: chapter 12's.
 - Views: observations, features (of each body), tiles (numbers of each body), ranking (order), visibility (limits and
   noise), prey_views.
@@ -23,7 +24,7 @@ Parameters that have the same meaning in every function; docstrings do not repea
   lanes. sections: see `memory.Sections`; so are controls (of the lanes), limits, teams and team_seats.
 - They come in this order: chunk or me; s; first and width; lanes or lane; seat; order; targets; slot, index or at;
   other numbers; sections; and last the results, or the room for them.
-- s: the settings, see `state.Settings`. chunk: the rows of LANES arenas, see state.py; lane: one of them. lanes: number
+- s: the settings, see `state.Settings`. chunk: the rows of LANES arenas, see rows.py; lane: one of them. lanes: number
   of the chunk's lanes that are arenas, from 0 up. first and last: the first arena of the chunk, and the one after its
   last.
 - width: number of lanes in a group; first: the first lane of the group, in functions of one group (see vectors.py).

@@ -22,7 +22,7 @@ RequestTable = NDArray[np.int64]
 """Table of requests, (requests, REQUEST_COLUMNS)."""
 
 REQUEST_SEAT: Final = 0  # the hunter's seat, from 0
-REQUEST_TARGET: Final = 1  # requested target: any number that differs by target, or a code of core/state.py
+REQUEST_TARGET: Final = 1  # requested target: any number that differs by target, or a code of core/rows.py
 REQUEST_NUMBER: Final = 2  # the target's spawn number, for the lot
 REQUEST_DISTANCE: Final = 3  # to the target [micrometres], from 0; NOT_MEASURED if reach is not tested
 REQUEST_INACTIVE: Final = 4  # flag: the hunter is withdrawn

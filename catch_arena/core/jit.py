@@ -27,7 +27,7 @@ if _logger.level == logging.NOTSET:  # with the root logger at DEBUG each compil
 F = TypeVar("F", bound=Callable[..., Any])
 
 Rows = NDArray[np.float64]
-"""Slice of the arena memory (core/state.py): fields lie LANES apart, and one lane is one arena."""
+"""Slice of the arena memory (core/rows.py): fields lie LANES apart, and one lane is one arena."""
 
 _FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
 _WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": COMPILER.WholeCompiler} if COMPILER else _FLAGS

@@ -117,7 +117,7 @@ class Sections(NamedTuple):
     """Copy of the chunk before the step, if some of its arenas had ended."""
     # ---- saved, from here to the end; all but chunks and target_orders have a row for each arena ----
     chunks: Doubles2
-    """Arena memory, (chunks, rows * LANES): see `state`."""
+    """Arena memory, (chunks, rows * LANES): see `rows`."""
     target_orders: Bytes3
     """R7.1: targets of each seat, nearest first, a `state.Order` each: (chunks, H, K * LANES)."""
     rewards: Doubles2
@@ -146,7 +146,7 @@ class Sections(NamedTuple):
     lengths: Floats1
     """Length of that episode [steps], (B,)."""
     records: Floats3
-    """Records of that episode, (B, N, figures): see FINAL_SCORE and the constants after it in state.py."""
+    """Records of that episode, (B, N, figures): see `rows.FINAL_SCORE` and the constants after it."""
 
 
 _KINDS_OF_SECTIONS: Final[dict[str, Section]] = {

@@ -1,4 +1,4 @@
-"""Views of the memory of a batch of arenas, by content: the chunks of core/state.py, without a copy."""
+"""Views of the memory of a batch of arenas, by content: the chunks of core/rows.py, without a copy."""
 
 from functools import cache
 from typing import Final
@@ -13,7 +13,7 @@ from catch_arena.core.vectors import LANES
 
 
 def row_of(offset: int) -> int:
-    """Return the row at one of core/state.py's offsets, which count numbers, LANES to a row."""
+    """Return the row at one of core/rows.py's offsets, which count numbers, LANES to a row."""
     return offset // LANES
 
 

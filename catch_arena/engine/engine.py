@@ -235,13 +235,13 @@ class Engine:
         [s], rounded to the millisecond. Prey stays as it is, under its numbers; if poses of all prey are given, prey in
         play is at rest there.
         """
-        rows = np.zeros((len(targets), 5))
-        rows[:, :2] = np.reshape(targets, (-1, 2))
+        placed = np.zeros((len(targets), 5))
+        placed[:, :2] = np.reshape(targets, (-1, 2))
         if ages:
-            rows[:, 4] = _in_ms(np.array(ages))
+            placed[:, 4] = _in_ms(np.array(ages))
         # 0.0 is added so that no zero is negative
         poses, poses_of_prey = (np.reshape(given or (), (-1, 3)) + 0.0 for given in (hunters, prey))
-        placing.place(self._memory, arena, poses, poses_of_prey, rows + 0.0)
+        placing.place(self._memory, arena, poses, poses_of_prey, placed + 0.0)
         self._observe([arena])
 
     def place_batch(
@@ -261,12 +261,12 @@ class Engine:
                 the oldest first.
             steps: (n,), number of steps already played.
         """
-        rows = targets + 0.0
-        rows[:, :, 4] = _in_ms(targets[:, :, 4])
+        placed = targets + 0.0
+        placed[:, :, 4] = _in_ms(targets[:, :, 4])
         there = ~np.isnan(targets[:, :, 0])
-        oldest_first = np.argsort(np.where(there, -rows[:, :, 4], np.inf), axis=1, kind="stable")  # R8.2
-        rows = np.take_along_axis(rows, oldest_first[:, :, None], axis=1)
-        placing.place_all(self._memory, arenas, hunters + 0.0, rows, steps)
+        oldest_first = np.argsort(np.where(there, -placed[:, :, 4], np.inf), axis=1, kind="stable")  # R8.2
+        placed = np.take_along_axis(placed, oldest_first[:, :, None], axis=1)
+        placing.place_all(self._memory, arenas, hunters + 0.0, placed, steps)
         self._clear_results(arenas)
         self._observe(arenas)
 
