@@ -78,7 +78,7 @@ class Sections(NamedTuple):
     pass matching `choices` and `commands`.
     """
     limits: Doubles2
-    """Limits of the hunters, `SeatLimits` in the order of its fields: (H, 5)."""
+    """Limits of the hunters, `SeatLimits` in the order of its fields: (H, 4)."""
     teams: Integers1
     """R11.1: lowest seat of each seat's team, which stands for the team: (H,)."""
     team_seats: Integers1

@@ -314,12 +314,12 @@ def rank_seen(
         note_positions(chunk, s, first, width, sections.positions)
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
-        reach_limit_m2 = limits_of(sections.limits, seat).reach_limit_m2
-        rank_targets(chunk, me, s, first, width, targets, slots, reach_limit_m2, keys)
+        reach_um = limits_of(sections.limits, seat).reach_um
+        rank_targets(chunk, me, s, first, width, targets, slots, reach_um, keys)
         write_order(keys, slots, s.targets_seen, first, width, orders[seat])
         if s.hunters_seen > 0:
             rivals = Bodies(hunters, rows.SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
-            measure_rivals(chunk, s, first, width, seat, reach_limit_m2, sections.positions, keys)
+            measure_rivals(chunk, s, first, width, seat, reach_um, sections.positions, keys)
             order_bodies(me, first, width, lanes, rivals, sections)
             write_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
 

@@ -95,7 +95,7 @@ def rank_targets(
     width: Width,
     targets: Rows,
     slots: int,
-    reach_limit_m2: float,
+    reach_um: float,
     keys: Keys,
 ) -> None:
     """R7.1, R7.5: rank the alive targets by distance, then by spawn number; slots are in spawning order.
@@ -111,7 +111,7 @@ def rank_targets(
         dx, dy = targets[rows.TARGET_X + at] - x, targets[rows.TARGET_Y + at] - y
         there = alive > slot
         if s.partial_view:
-            there = there & is_seen(dx, dy, sine, cosine, reach_limit_m2, s)
+            there = there & is_seen(dx, dy, sine, cosine, reach_um, s)
         keys[slot * LANES + lane] = select(there, key_of(dx, dy, slot), FAR)
     sort_keys(keys, slots, s.targets_seen, first, width)
 
@@ -134,7 +134,7 @@ def note_positions(chunk: Rows, s: Settings, first: int, width: Width, positions
 
 @phase
 def measure_rivals(
-    chunk: Rows, s: Settings, first: int, width: Width, seat: int, reach_limit_m2: float, positions: Rows, keys: Keys
+    chunk: Rows, s: Settings, first: int, width: Width, seat: int, reach_um: float, positions: Rows, keys: Keys
 ) -> None:
     """R7.1, R7.5: write the keys of the other hunters that are seen, in the lanes of one group.
 
@@ -148,7 +148,7 @@ def measure_rivals(
         dx, dy = positions[at] - x, positions[len(width) + at] - y
         key = key_of(dx, dy, other)
         if s.partial_view:
-            key = select(is_seen(dx, dy, sine, cosine, reach_limit_m2, s), key, FAR)
+            key = select(is_seen(dx, dy, sine, cosine, reach_um, s), key, FAR)
         keys[other * LANES + lane] = key
     keys[seat * LANES + lane] = FAR
 

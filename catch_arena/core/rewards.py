@@ -55,7 +55,7 @@ def renew_progress_reference(
         dx = targets[rows.TARGET_X + at] - me[rows.X + lane]
         dy = targets[rows.TARGET_Y + at] - me[rows.Y + lane]
         key = key_of(dx, dy, slot)
-        if key < nearest and is_seen(dx, dy, me[rows.SINE + lane], me[rows.COSINE + lane], limits.reach_limit_m2, s):
+        if key < nearest and is_seen(dx, dy, me[rows.SINE + lane], me[rows.COSINE + lane], limits.reach_um, s):
             nearest = key
             reference[lane] = targets[rows.TARGET_X + at]
             reference[LANES + lane] = targets[rows.TARGET_Y + at]

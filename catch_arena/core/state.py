@@ -64,7 +64,7 @@ class Settings(NamedTuple):
     prey_returns_ms: float
     needs_gain: int
     partial_view: int
-    view_limit_m2: float
+    view_radius_um: float
     view_cosine: float
     view_noise_m: float
     dropout_rate: float
@@ -117,15 +117,12 @@ def options_of(s: Settings) -> Options:
 
 
 class SeatLimits(NamedTuple):
-    """R2.5, R2.7, R5.3: limits of one hunter: speeds [m/s], a turn rate [rad/s], a reach [micrometres], and the reach
-    as `visibility.is_seen` reads it [m2].
-    """
+    """R2.5, R2.7, R5.3: limits of one hunter: speeds [m/s], a turn rate [rad/s], and a reach [micrometres]."""
 
     max_speed: float
     min_speed: float
     max_turn_rate: float
     reach_um: float
-    reach_limit_m2: float
 
 
 MOST: Final = 64
@@ -163,7 +160,7 @@ def regions_of(s: Settings) -> Regions:
 @phase
 def limits_of(limits: NDArray[np.float64], seat: int) -> SeatLimits:
     """Return the limits of one hunter, from the section with those of all."""
-    return SeatLimits(limits[seat, 0], limits[seat, 1], limits[seat, 2], limits[seat, 3], limits[seat, 4])
+    return SeatLimits(limits[seat, 0], limits[seat, 1], limits[seat, 2], limits[seat, 3])
 
 
 @phase

@@ -1,11 +1,10 @@
 """Rulebook R7.5, R7.6: limits of a hunter's view, and the noise in it."""
 
-import math
 from typing import Final
 
 import numpy as np
 
-from catch_arena.core.arbiter import to_micrometres
+from catch_arena.core.arbiter import measure_um, within_reach
 from catch_arena.core.jit import rule
 from catch_arena.core.random import VIEW_NOISE, draw, fraction, stream
 from catch_arena.core.state import Settings
@@ -19,33 +18,19 @@ _SPREAD: Final = 1.7320508075688772
 
 
 @rule
-def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_limit_m2: float, s: Settings) -> bool:
+def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s: Settings) -> bool:
     """R7.5: return whether a hunter sees a body: near enough and in front of it, or within its reach.
 
     Args:
         dx: eastern distance to the body [m]; infinite for a body that no hunter sees.
         dy: northern distance to the body [m].
-        reach_limit_m2: limit of the hunter's own reach: see `squared_limit`.
+        reach_um: the hunter's own reach [micrometres].
     """
-    square = dx * dx + dy * dy
-    seen = square < s.view_limit_m2
+    distance_um = measure_um(dx, dy)
+    seen = distance_um < s.view_radius_um
     if s.view_cosine > ALL_ROUND:
-        seen = seen & (cosine * dx + sine * dy >= sqrt(square) * s.view_cosine)
-    return seen | (square < reach_limit_m2)
-
-
-def squared_limit(limit_um: float) -> float:
-    """R3.10, R5.3, R7.5: return the least square [m2] of a distance of at least a number of whole micrometres.
-
-    Comparing squares with it replaces comparing distances: it needs no root, and gives the same result in every bit.
-    The reason is that each operation from a square to micrometres keeps the order.
-    """
-    limit = (max(limit_um - 0.5, 0.0) / 1e6) ** 2
-    while limit > 0.0 and to_micrometres(math.sqrt(limit)) >= limit_um:
-        limit = math.nextafter(limit, 0.0)
-    while to_micrometres(math.sqrt(limit)) < limit_um:
-        limit = math.nextafter(limit, math.inf)
-    return limit
+        seen = seen & (cosine * dx + sine * dy >= sqrt(dx * dx + dy * dy) * s.view_cosine)
+    return seen | within_reach(distance_um, reach_um)
 
 
 @rule

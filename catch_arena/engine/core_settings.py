@@ -25,7 +25,7 @@ from catch_arena.core.state import (
 )
 from catch_arena.core.transfers import STREAMED, TILE
 from catch_arena.core.vectors import LANES, WIDE
-from catch_arena.core.visibility import ALL_ROUND, squared_limit
+from catch_arena.core.visibility import ALL_ROUND
 from catch_arena.errors import require_type
 from catch_arena.layout import observation_size, prey_observation_size
 
@@ -74,7 +74,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         prey_returns_ms=math.inf if config.prey_returns_ms is None else float(config.prey_returns_ms),
         needs_gain=int(with_parts or config.prey_rewards.gained != 0.0),
         partial_view=int(config.partial_view),
-        view_limit_m2=math.inf if config.view_radius_um is None else squared_limit(config.view_radius_um),
+        view_radius_um=math.inf if config.view_radius_um is None else float(config.view_radius_um),
         view_cosine=ALL_ROUND if config.view_angle_deg == 360.0 else sincos(config.view_angle_deg * PI / 360.0)[1],
         view_noise_m=float(config.view_noise_m),
         dropout_rate=float(config.dropout_rate),
@@ -104,7 +104,7 @@ def _spawned_in_full(config: ArenaConfig) -> float:
 
 
 def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
-    """R2.5, R2.7: return the limits of every seat, as the core reads them: (H, 5)."""
+    """R2.5, R2.7: return the limits of every seat, as the core reads them: (H, 4)."""
     limits = zip(config.max_speeds, config.max_turn_rates, config.reaches_um, strict=True)
     return np.array(
         [
@@ -113,7 +113,6 @@ def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
                 min_speed=-float(speed) if config.reverse else 0.0,
                 max_turn_rate=float(turn_rate),
                 reach_um=float(reach_um),
-                reach_limit_m2=squared_limit(reach_um),  # R5.3, R7.5
             )
             for speed, turn_rate, reach_um in limits
         ]

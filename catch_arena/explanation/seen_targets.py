@@ -2,14 +2,12 @@
 
 import math
 from dataclasses import dataclass
-from functools import lru_cache
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.arbiter import measure_um
 from catch_arena.core.math import sincos
-from catch_arena.core.state import SeatLimits, Settings
 from catch_arena.core.visibility import is_seen
-from catch_arena.engine.core_settings import limits_by_seat, settings_of
+from catch_arena.engine.core_settings import settings_of
 from catch_arena.world import World
 
 
@@ -29,12 +27,12 @@ class Unseen:
 
 def unseen_targets(config: ArenaConfig, world: World, seat: int) -> list[Unseen]:
     """Return the targets that a seat does not see, the nearest first; a withdrawn hunter counts like an active one."""
-    settings, reach_limits_m2 = _limits_of(config)
+    settings = settings_of(config, with_parts=False)
     me, found = world.hunters[seat], []
     sine, cosine = sincos(me.theta)
     for target in world.targets:
         dx, dy = target.x - me.x, target.y - me.y
-        if is_seen(dx, dy, sine, cosine, reach_limits_m2[seat], settings):
+        if is_seen(dx, dy, sine, cosine, config.reaches_um[seat], settings):
             continue
         um = int(measure_um(dx, dy))
         off_deg = abs(math.degrees(math.remainder(math.atan2(dy, dx) - me.theta, 2.0 * math.pi)))
@@ -43,10 +41,3 @@ def unseen_targets(config: ArenaConfig, world: World, seat: int) -> list[Unseen]
         outside_cone = not too_far or off_deg > config.view_angle_deg / 2.0
         found.append(Unseen(target.name, um, off_deg, too_far, outside_cone))
     return sorted(found, key=lambda target: target.distance_um)
-
-
-@lru_cache(maxsize=1)
-def _limits_of(config: ArenaConfig) -> tuple[Settings, list[float]]:
-    """Return the core's settings, and its limit of each seat's reach [m2]."""
-    limits = limits_by_seat(config)[:, SeatLimits._fields.index("reach_limit_m2")]
-    return settings_of(config, with_parts=False), limits.tolist()

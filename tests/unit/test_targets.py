@@ -1,14 +1,11 @@
 """Targets that move draw their threats by lot in every row, where random matches seldom come."""
 
-import math
-
 import numpy as np
 import pytest
 from oracle.arena import OracleArena
 
 from catch_arena.config import ArenaConfig
 from catch_arena.core.math import wrap
-from catch_arena.core.visibility import squared_limit
 from catch_arena.engine import Engine
 
 ROWS = 5
@@ -110,18 +107,12 @@ def test_those_whose_distances_round_to_the_same_micrometre_draw_lots_however_fa
 
 
 def test_a_threat_at_the_very_alarm_is_none():
-    """R3.10: where the square of the distance is the least one that is no alarm."""
-    at_the_limit = [
-        (um, dx)
-        for um in range(1_000_001, 1_000_200)
-        if (dx := math.sqrt(squared_limit(um))) ** 2 == squared_limit(um) and 5.0 - (5.0 - dx) == dx
-    ]
-    assert len(at_the_limit) > 9
-    for um, dx in at_the_limit[:10]:
-        batch, oracles = rows_with_oracles(hunters=1, target_motion="flee", alarm_m=um / 1e6)
+    """R3.10: half a micrometre less rounds to the alarm too."""
+    for dx, share in ((1.2, 0.5), (1.1999996, 0.5), (1.1999994, 1.0)):
+        batch, oracles = rows_with_oracles(hunters=1, target_motion="flee", alarm_m=1.2)
         place(batch, oracles, [(5.0 - dx, 5.0, 0.0)], [(5.0, 5.0)])
         play_on(batch, oracles, 1)
-        assert [oracle.alive[0].v for oracle in oracles] == [oracles[0].target_speed / 2] * ROWS
+        assert [oracle.alive[0].v for oracle in oracles] == [oracles[0].target_speed * share] * ROWS
 
 
 def test_a_threat_in_the_very_place_of_a_target_is_behind_it():
