@@ -88,9 +88,9 @@ class Sections(NamedTuple):
     positions: ScratchDoubles1
     """Positions of the hunters, in one group of lanes: see `ranking.note_positions`."""
     target_tiles: ScratchDoubles1
-    """Tiles of the targets in one group of lanes, by slot and lane: see `tiles.tile_index`."""
+    """Tiles of the targets in one group of lanes, by slot and lane: see tiles.py."""
     body_tiles: ScratchDoubles1
-    """Tiles of the hunters, or of all prey, in one group of lanes: see `tiles.tile_index`."""
+    """Tiles of the hunters, or of all prey, in one group of lanes, by index and lane: see tiles.py."""
     staging: ScratchFloats1
     """Observations of one group of lanes, in the order of the memory."""
     requests: ScratchIntegers2

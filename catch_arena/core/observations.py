@@ -44,7 +44,6 @@ from catch_arena.core.tiles import (
     put_rank,
     target_of_tile,
     tile_hunters,
-    tile_index,
     tile_targets,
 )
 from catch_arena.core.transfers import (
@@ -118,7 +117,7 @@ def write_targets(
     for rank in range(s.targets_seen):
         slots = item_at_rank(order, rank, lane)
         present = slots != ABSENT
-        target = target_of_tile(take_tile(tiles, tile_index(slots, width)))
+        target = target_of_tile(take_tile(tiles, slots, width))
         at_rank = Place(place.out, place.at + rank * target_width(s), place.stride)
         is_last = s.hunters_seen == 0 and rank + 1 == s.targets_seen
         if s.targets_move:
@@ -139,7 +138,7 @@ def write_rivals(
     for rank in range(s.hunters_seen):
         seats = item_at_rank(order, rank, lane)
         present = seats != ABSENT
-        rival = body_of_tile(take_tile(tiles, tile_index(seats, width)))
+        rival = body_of_tile(take_tile(tiles, seats, width))
         at_rank = Place(place.out, place.at + rank * rival_width(s), place.stride)
         is_last = rank + 1 == s.hunters_seen
         if s.has_teams:

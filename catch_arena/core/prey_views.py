@@ -13,7 +13,7 @@ from catch_arena.core.jit import Rows, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import FAR, NO_OBSERVER, Bodies, body_in, item_of, key_of, order_bodies
 from catch_arena.core.state import ABSENT, Settings, prey_of, seat_at
-from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile, tile_index
+from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile
 from catch_arena.core.transfers import Place, put_rows, take_tile
 from catch_arena.core.vectors import LANES, Width, group, long, select
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
@@ -66,7 +66,7 @@ def write_bodies(
     for rank in range(bodies.ranks):
         items = long(item_of(sections.keys[rank * LANES + lane]))
         present = items != ABSENT
-        tile = take_tile(sections.body_tiles, tile_index(items, width))
+        tile = take_tile(sections.body_tiles, items, width)
         at_rank = Place(place.out, place.at + rank * _BODY_WIDTH, place.stride)
         seen = body_seen(observer, body_of_tile(tile))
         put_rank(at_rank, present, seen, is_last and rank == bodies.ranks - 1)

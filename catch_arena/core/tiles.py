@@ -14,7 +14,7 @@ from catch_arena.core import rows
 from catch_arena.core.jit import Rows, phase, rule
 from catch_arena.core.state import Settings, seat_of
 from catch_arena.core.transfers import TILE, Place, put_exactly, put_rows, where_present
-from catch_arena.core.vectors import Width, group, lane_numbers
+from catch_arena.core.vectors import Width, group
 
 
 class BodyTile(NamedTuple):
@@ -76,12 +76,6 @@ def body_of_tile(tile: tuple[float, ...]) -> BodyTile:
 def target_of_tile(tile: tuple[float, ...]) -> TargetTile:
     """Return the numbers of a target's tile by name."""
     return TargetTile(*tile[:_TARGET_NUMBERS])
-
-
-@rule
-def tile_index(item: int, width: Width) -> int:
-    """Return the indices of the tiles of a slot, seat or prey, in the lanes of one group: see `transfers.take_tile`."""
-    return item * len(width) + lane_numbers(0, width)
 
 
 @phase

@@ -14,7 +14,7 @@ from numba.core import cgutils
 from numpy.typing import NDArray
 
 from catch_arena.core.extending import INT32, compiled_as
-from catch_arena.core.vectors import Vector, like, low_level, pointer_to, select, shuffle
+from catch_arena.core.vectors import Vector, Width, group, like, low_level, pointer_to, select, shuffle
 
 STREAMED: Final = 8
 """Number of float32 that `stream_eight` copies."""
@@ -56,8 +56,9 @@ def put_exactly(out: NDArray[Any], at: int, stride: int, columns: tuple[float, .
     put_rows(out, at, stride, columns)
 
 
-def take_tile(tiles: NDArray[np.float64], index: int) -> tuple[float, ...]:
-    """Return rows as columns: the numbers of the tile at an index, which may differ by lane."""
+def take_tile(tiles: NDArray[np.float64], item: int, width: Width) -> tuple[float, ...]:
+    """Return rows as columns: the numbers of the tile of a slot, seat or prey, which may differ by lane."""
+    index = item * len(width) + group(0, width)
     return tuple(tiles[index * TILE + number] for number in range(TILE))
 
 
@@ -148,17 +149,18 @@ _put(
 )
 
 
-def _type_of_take(tiles: Any, index: Any) -> Any:
-    return types.UniTuple(like(index, types.float64), TILE)(tiles, like(index, types.int64))
+def _type_of_take(tiles: Any, item: Any, width: Any) -> Any:
+    return types.UniTuple(like(item, types.float64), TILE)(tiles, like(item, types.int64), width)
 
 
-@compiled_as(take_tile, _type_of_take, 2)
+@compiled_as(take_tile, _type_of_take, 3)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    (tiles, index), of_index = arguments, signature.args[1]
+    (tiles, index, _), of_index = arguments, signature.args[1]
     if isinstance(of_index, Vector):
-        row = Vector(types.float64, TILE)
-        scaled = builder.shl(index, ir.Constant(index.type, [3] * of_index.count))
-        places = [builder.extract_element(scaled, INT32(lane)) for lane in range(of_index.count)]
+        row, count = Vector(types.float64, TILE), of_index.count
+        first = builder.mul(index, ir.Constant(index.type, [count * TILE] * count))
+        begins = builder.add(first, ir.Constant(index.type, [lane * TILE for lane in range(count)]))
+        places = [builder.extract_element(begins, INT32(lane)) for lane in range(count)]
         rows = [builder.load(pointer_to(context, builder, tiles, place, row), align=8) for place in places]
         columns = _exchanged(builder, rows, (4, 2, 1))
     else:

@@ -58,11 +58,6 @@ def group(first: int, width: Width) -> int:
     return first if len(width) == 1 else cast("int", np.arange(first, first + len(width)))
 
 
-def lane_numbers(first: int, width: Width) -> int:
-    """Return the lanes from `first` on as numbers, an int64 in each lane."""
-    return group(first, width)
-
-
 def select(condition: bool, a: T, b: T) -> T:
     """Return `a if condition else b`, in each lane."""
     if isinstance(condition, np.ndarray):
@@ -301,19 +296,6 @@ def _type_of_group(_first: Any, width: Any) -> Any:
 @compiled_as(group, _type_of_group, 2)
 def _(_context: Any, _builder: Any, _signature: Any, arguments: Any) -> Any:
     return arguments[0]
-
-
-def _type_of_lane_numbers(_first: Any, width: Any) -> Any:
-    return (Vector(types.int64, len(width)) if len(width) > 1 else types.int64)(types.int64, width)
-
-
-@compiled_as(lane_numbers, _type_of_lane_numbers, 2)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    first, lanes = arguments[0], signature.return_type
-    if not isinstance(lanes, Vector):
-        return first
-    counted = ir.Constant(low_level(lanes), list(range(lanes.count)))
-    return builder.add(_spread(context, builder, types.int64, lanes, first), counted)
 
 
 # functions of numbers
