@@ -14,7 +14,8 @@ from hypothesis import HealthCheck, settings
 from isolation_levels import NOT_TESTED
 
 from catch_arena.cli import progress
-from catch_arena.tournament.isolation import isolated_players, sandbox
+from catch_arena.tournament import players
+from catch_arena.tournament.isolation import sandbox
 from catch_arena.tournament.isolation.quotas import Quotas
 
 LONG = os.environ.get("CATCH_ARENA_LONG") == "1"
@@ -33,7 +34,7 @@ os.environ["PYTHONPATH"] = str(Path(__file__).parents[1])
 
 # A busy machine makes no agent late, no match void and no output longer, unless a test names the limit.
 Quotas.__init__.__kwdefaults__.update(init_s=120.0, bank_s=120.0)
-isolated_players._STALL_S = 60.0
+players._STALL_S = 60.0
 sandbox._END_S = 10.0
 progress._LINE_EVERY_S = math.inf
 

@@ -23,9 +23,9 @@ from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.grading import TestGrade, grade_agent, unplayed_grade
 from catch_arena.tournament.grading_spec import GradingSpec
-from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.players import inspector
 
 KEPT: Final = "json"
 """Folder of the kept grades, in the folder of results."""

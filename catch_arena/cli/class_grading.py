@@ -23,8 +23,9 @@ from catch_arena.tournament.execution.executors import Executor, local_executor,
 from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.grading import enter_opponents
 from catch_arena.tournament.grading_spec import GradingSpec
-from catch_arena.tournament.isolation.playing import inspector, sandbox_for
 from catch_arena.tournament.isolation.quotas import Quotas
+from catch_arena.tournament.isolation.sandbox import sandbox_for
+from catch_arena.tournament.players import inspector
 
 _Grading = tuple[Callable[[Submission], Graded], str, Executor]
 """Function that grades a submission, digest of all else that a grade depends on, and executor of the function."""

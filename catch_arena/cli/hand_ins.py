@@ -48,7 +48,7 @@ def check_agent(
     The exit code is 1 if it would forfeit, else 0.
     """
     from catch_arena.tournament.agent_check import check_fitness
-    from catch_arena.tournament.isolation.playing import sandbox_for
+    from catch_arena.tournament.isolation.sandbox import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
     quotas = trust.quotas()
@@ -178,7 +178,8 @@ def _grade_agent(
 ) -> "tuple[str, str, list[TestGrade]]":
     """Play the tests, print each grade, and return the agent's name and digest, and the grades."""
     from catch_arena.tournament.grading import enter_opponents, grade_agent
-    from catch_arena.tournament.isolation.playing import inspector, sandbox_for
+    from catch_arena.tournament.isolation.sandbox import sandbox_for
+    from catch_arena.tournament.players import inspector
 
     service.refuse()
     quotas = trust.quotas()

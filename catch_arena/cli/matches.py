@@ -244,7 +244,8 @@ def match(
 
     Give one agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
-    from catch_arena.tournament.isolation.playing import in_parties, play_entrants, sandbox_for
+    from catch_arena.tournament.isolation.sandbox import sandbox_for
+    from catch_arena.tournament.match_loop import in_parties, play_entrants
     from catch_arena.tournament.plans.schedule import require_enough
 
     config, quotas = arena.config(), trust.quotas()

@@ -233,7 +233,8 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, 
         AgentError: for a spec that names no agent, or an agent in this process that cannot be loaded.
         MatchFailedError: if an isolated agent cannot be started, for a reason on our side.
     """
-    from catch_arena.tournament.isolation.playing import inspector, sandbox_for
+    from catch_arena.tournament.isolation.sandbox import sandbox_for
+    from catch_arena.tournament.players import inspector
 
     with sandbox_for(quotas) as sandbox, progress_bar("loading agents") as show:
         inspect, seen = inspector(sandbox), count(1)

@@ -153,7 +153,8 @@ def controller(
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
     from catch_arena.ros.nodes.parameters import CLOSEST_FIRST, parameters_from
     from catch_arena.ros.nodes.rate import Rate
-    from catch_arena.tournament.isolation.playing import sandbox_for, start_players
+    from catch_arena.tournament.isolation.sandbox import sandbox_for
+    from catch_arena.tournament.players import Players
 
     quotas = trust.quotas()
     values = parameters_from(ros_args or (), {CLOSEST_FIRST: agent == _CLOSEST} if agent in {_CLOSEST, _OLDEST} else {})
@@ -166,7 +167,7 @@ def controller(
     entrants = enter_agents([agent], quotas)
     with (
         sandbox_for(quotas) as sandbox,
-        start_players(entrants, sandbox) as players,
+        Players(entrants, sandbox) as players,
         bus.joined("turtle_controller") as joined,
     ):
         node = Controller(joined, players, config, turtle, joined.interfaces(bus.types), service=service, log=echo)

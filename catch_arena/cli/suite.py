@@ -69,7 +69,7 @@ def suite(
     from catch_arena.suite.measures import facts_of, measure, over_training_runs
     from catch_arena.suite.references import references
     from catch_arena.tournament.execution.executors import usable_cores
-    from catch_arena.tournament.isolation.playing import sandbox_for
+    from catch_arena.tournament.isolation.sandbox import sandbox_for
     from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 

@@ -27,11 +27,11 @@ from catch_arena.tournament.execution.executors import Executor, local_executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_and_store
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import block_of
+from catch_arena.tournament.players import inspector
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 from catch_arena.tournament.store import Store, Tournament, terms_of

@@ -12,11 +12,12 @@ from catch_arena.policy import Policy
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.playing import in_parties, in_seats, sandbox_for, start_players
 from catch_arena.tournament.isolation.quotas import Quotas
+from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.match_loop import play_match
+from catch_arena.tournament.match_loop import in_parties, in_seats, play_match
 from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.players import Players
 
 
 class ShownMatch(NamedTuple):
@@ -70,7 +71,7 @@ def show_match(
             while True:
                 with (
                     suppress(RestartRequested),
-                    start_players(seated, sandbox, while_waiting=window.wait) as players,
+                    Players(seated, sandbox, while_waiting=window.wait) as players,
                 ):
                     result = play_match(
                         config,

@@ -15,10 +15,10 @@ from catch_arena.tournament.execution.executors import local_executor
 from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 

@@ -10,11 +10,12 @@ from catch_arena.policy import PreyView, player_limits
 from catch_arena.text import last_lines
 from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.entrants import SHIPPED_PREY, Inspection, enter
-from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
+from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.players import inspector
 from catch_arena.verdicts import REASONS, Verdict
 
 _SEED: Final = 0

@@ -106,7 +106,7 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
     Args:
         specs: shipped names, `package.module:Class`, paths of .py files with a class `Agent` or of folders with
             such an agent.py, or `cmd:` and a command.
-        inspect: inspects an agent, in this process or in its own (`isolation.playing.inspector`).
+        inspect: inspects an agent, in this process or in its own (`players.inspector`).
 
     Raises:
         AgentError: in one line that names the spec and its fault.

@@ -1,12 +1,10 @@
-"""Matches of a plan, and their results."""
+"""Matches of a plan, the answers of their players, and their results."""
 
 import re
 from dataclasses import dataclass, field
-from typing import Final
+from typing import Any, Final, Literal
 
 from msgspec import Struct
-
-from catch_arena.tournament.players import ForfeitCode, Observation
 
 MOST_TIMEOUTS: Final = 2
 """Number of timeouts of an agent after which grade and check-agent stop: each costs seconds."""
@@ -41,6 +39,32 @@ class Match:
 
 Block = tuple[Match, ...]
 """Matches with one seed, in every rotation of their players through the parties (docs/howto/tournaments.md)."""
+
+
+ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_OUT"]
+"""Kinds of failure, in this order: the agent raises or dies; it takes too long; its answer is no legal action; it
+cannot begin; it has failed in too many matches in a row, and is not started any more.
+"""
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """Reason for which a seat cannot go on."""
+
+    code: ForfeitCode
+    reason: str
+    """Reason in one line."""
+    late: bool = False
+    """True if the seat was too slow."""
+    log: str = ""
+    """Output of an agent that was not started in this match."""
+
+
+# plain tuples: a trusted match makes thousands of them
+Observation = tuple[list[float], list[int]]
+"""Observation of a seat in a step: the vector of R7.1 or R12.4, and the mask of R7.2; empty if the seat has none."""
+Move = tuple[Any, float, Fault | None]
+"""Answer of a seat: action, unchecked (None if there is a fault); time taken [s]; fault (None if there is none)."""
 
 
 class MoveTimes(Struct, frozen=True, array_like=True):

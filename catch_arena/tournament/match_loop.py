@@ -1,10 +1,11 @@
-"""Loop of one match, from the first observation to the last."""
+"""One match: its players, and the loop from the first observation to the last."""
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, Final
 
 from catch_arena.config import ArenaConfig, Control
@@ -13,9 +14,11 @@ from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.policy import Policy, PreyPolicy, player_limits
 from catch_arena.text import one_line, printable_lines
-from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.match import Fault, Forfeit, MatchResult, MoveTimes, Observation
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import Fault, Observation, Players
+from catch_arena.tournament.players import Players
 from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.tournament.secret import agent_seed
 from catch_arena.verdicts import NO_REQUEST, Verdict
@@ -28,6 +31,40 @@ _Infos = dict[str, dict[str, Any]]
 
 class MatchStopped(Exception):  # noqa: N818 - no error: a request
     """Request to end a match before its end, raised by `watch` or by the players."""
+
+
+def play_entrants(
+    config: ArenaConfig,
+    seed: int,
+    entrants: Sequence[Entrant],
+    sandbox: Sandbox | None,
+    *,
+    absent: Mapping[int, Fault] = MappingProxyType({}),
+    agent_seeds: Sequence[int] = (),
+    **options: Any,
+) -> MatchResult:
+    """Play one match of these entrants, and return its result.
+
+    Args:
+        config: the arena's settings.
+        seed: an integer in [0, 2^64).
+        entrants: the entrants by party (parties.py).
+        sandbox: runs agents that are not trusted; None if all are trusted.
+        absent: reasons for which parties are not started, by party.
+        agent_seeds: seed of each party; if empty, these seeds follow from `seed`.
+        options: further arguments of `play_match`.
+
+    Raises:
+        OutputError: for a replay that cannot be written.
+        MatchFailedError: for a match that failed on our side.
+    """
+    parties = Parties.of(config)
+    playing = in_parties(config, entrants)
+    names = [playing[party].name for party in parties.by_seat]
+    absent = {seat: absent[party] for seat, party in enumerate(parties.by_seat) if party in absent}
+    seeds = [_instance_seed(agent_seeds[party], number) for party, number in parties.places] if agent_seeds else []
+    with Players(in_seats(config, entrants), sandbox, absent) as players:
+        return play_match(config, seed, players, names, agent_seeds=seeds, **options)
 
 
 def play_match(
@@ -67,7 +104,7 @@ def play_match(
         MatchFailedError: if isolated players could not be held.
     """
     if isinstance(players, Sequence):
-        players = Players(dict(enumerate(players)))
+        players = Players(players)
     parties = Parties.of(config)
     seats = range(len(parties.by_seat))
     if not len(players.controls) == len(names) == len(seats):
@@ -94,6 +131,26 @@ def play_match(
         replay.colors = tuple(colors)
         replay.save(record)
     return result
+
+
+def in_parties(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Return the player of each party: its entrant, or the entrant that plays prey for it."""
+    parties = Parties.of(config)
+    return [entrant.on(parties.side_of(party)) for party, entrant in enumerate(entrants)]
+
+
+def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Return the player of each seat. Further seats of a team have different names: processes are kept by names."""
+    playing = in_parties(config, entrants)
+    return [
+        replace(playing[party], name=f"{playing[party].name} ({number + 1})", log="") if number else playing[party]
+        for party, number in Parties.of(config).places
+    ]
+
+
+def _instance_seed(seed: int, number: int) -> int:
+    """Return the seed of a party's instance: the party's seed for the first, and seeds derived from it for others."""
+    return agent_seed(seed, number) if number else seed
 
 
 @dataclass(slots=True, eq=False)

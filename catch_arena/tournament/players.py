@@ -1,78 +1,111 @@
-"""Players of one match: their interface, and the players in this process."""
+"""Players of one match: in this process, or isolated in processes of their own, which are asked at the same time."""
 
+import json
+import math
+import select
 import time
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, Literal
+from typing import Any, Final, NamedTuple, get_args
 
-from catch_arena.config import Control
-from catch_arena.errors import AgentError, reason
+from catch_arena.config import Control, require_choice
+from catch_arena.errors import AgentError, ConfigError, MatchFailedError, reason
 from catch_arena.policy import AnyLimits, Policy, PreyPolicy, control_of
-from catch_arena.tournament.entrants import Entrant
+from catch_arena.text import one_line, shortened
+from catch_arena.tournament.agent_spec import is_shipped
+from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent
+from catch_arena.tournament.isolation import protocol
+from catch_arena.tournament.isolation.quotas import Quotas
+from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, excerpt, exit_reason
+from catch_arena.tournament.match import Fault, Move, Observation
 
-ForfeitCode = Literal["FORFEIT_CRASH", "FORFEIT_TIMEOUT", "FORFEIT_ILLEGAL", "FORFEIT_INIT", "FORFEIT_OUT"]
-"""Kinds of failure, in this order: the agent raises or dies; it takes too long; its answer is no legal action; it
-cannot begin; it has failed in too many matches in a row, and is not started any more.
-"""
-
-
-@dataclass(frozen=True, slots=True)
-class Fault:
-    """Reason for which a seat cannot go on."""
-
-    code: ForfeitCode
-    reason: str
-    """Reason in one line."""
-    late: bool = False
-    """True if the seat was too slow."""
-    log: str = ""
-    """Output of an agent that was not started in this match."""
+_POLL_S: Final = 0.1
+"""Longest single wait [s], so that this process notices if it stood still itself."""
+_STALL_S: Final = 1.0
+"""Stall of this process [s] from which on no agent is blamed for being late."""
+_FIRST_WAIT_S: Final = 0.05
+"""Time within which most agents have answered, so that `while_waiting` need not be called [s]."""
+_WAIT_S: Final = 1.0 / 60.0
+"""Time between two calls of `while_waiting` [s]."""
 
 
-# plain tuples: a trusted match makes thousands of them
-Observation = tuple[list[float], list[int]]
-"""Observation of a seat in a step: the vector of R7.1 or R12.4, and the mask of R7.2; empty if the seat has none."""
-Move = tuple[Any, float, Fault | None]
-"""Answer of a seat: action, unchecked (None if there is a fault); time taken [s]; fault (None if there is none)."""
+class _Reply(NamedTuple):
+    """Answer of an agent in one line, or the fault that it has instead."""
+
+    fields: dict[str, Any]
+    """JSON object in the line; empty if there is a fault."""
+    seconds: float
+    """Time from sending a line to reading the answer [s]."""
+    fault: Fault | None = None
 
 
 class Players:
-    """Players of one match in this process: fast, and asked one after the other.
+    """Players of one match. Use it as a context manager if there is a sandbox: its exit ends the match's processes.
 
-    A seat that had a fault is not asked again. An agent that raises harms only itself. Nothing limits the agents' time,
-    memory or access. `isolation.isolated_players` adds seats whose agents are in their own processes.
+    A seat that had a fault is not asked again. Instances, agents that come with the package, and all agents if there
+    is no sandbox, play in this process, one after the other: one that raises harms only itself, but nothing limits its
+    time, memory or access. All others play in their own processes, and are asked at the same time.
 
     Args:
-        seated: by seat, an instance for this match, or an entrant, of which an instance is made; the control of prey
-            is ignored.
-        absent: faults of the seats for which no instance is made, by seat.
+        seated: by seat, an instance for this match, or an entrant; the control of prey is ignored.
+        sandbox: runs agents that are not trusted; None if all are trusted.
+        absent: faults of the seats that are not started, by seat.
+        while_waiting: called repeatedly while isolated agents think, to draw a window; no agent pays for the time that
+            it takes. If it raises, the agents that have not answered are dropped.
     """
 
     def __init__(
         self,
-        seated: Mapping[int, Policy | PreyPolicy | Entrant],
+        seated: Mapping[int, Policy | PreyPolicy | Entrant] | Sequence[Policy | PreyPolicy | Entrant],
+        sandbox: Sandbox | None = None,
         absent: Mapping[int, Fault] = MappingProxyType({}),
+        while_waiting: Callable[[], None] | None = None,
     ) -> None:
-        self.controls: dict[int, Control] = {
-            seat: one.control if isinstance(one, Entrant) else control_of(one) for seat, one in seated.items()
-        }
+        self.controls: dict[int, Control] = {}
         """Control of each seat."""
         self._policies: dict[int, Policy | PreyPolicy] = {}
-        self._limits: Sequence[AnyLimits] = ()
+        self._isolated: dict[int, Entrant] = {}
         self._absent = dict(absent)
-        for seat in seated.keys() - absent.keys():
-            one = seated[seat]
-            try:
-                self._policies[seat] = one.create() if isinstance(one, Entrant) else one
-            except AgentError as error:
-                self._absent[seat] = Fault("FORFEIT_INIT", str(error))
+        self._limits: Sequence[AnyLimits] = ()
+        for seat, one in seated.items() if isinstance(seated, Mapping) else enumerate(seated):
+            self.controls[seat] = one.control if isinstance(one, Entrant) else control_of(one)
+            if seat in absent:
+                continue
+            if not isinstance(one, Entrant):
+                self._policies[seat] = one
+            elif one.fault is not None:
+                self._absent[seat] = Fault("FORFEIT_INIT", one.fault, log=one.log)
+            elif sandbox is not None and not is_shipped(one.spec):
+                self._isolated[seat] = one
+            else:
+                try:
+                    self._policies[seat] = one.create()
+                except AgentError as error:
+                    self._absent[seat] = Fault("FORFEIT_INIT", str(error))
+        self._sandbox = sandbox
+        self._while_waiting = while_waiting
+        self._processes: dict[int, AgentProcess] = {}
+        self._dropped: set[int] = set()
+        self._quotas = Quotas() if sandbox is None else sandbox.quotas
+        self._bank_s = dict.fromkeys(self._isolated, self._quotas.bank_s)
+
+    def __enter__(self) -> "Players":
+        return self
+
+    def __exit__(self, error: object, *_: object) -> None:
+        if self._sandbox is not None and self._isolated:
+            # after an error the next match must not meet processes of this one
+            self._sandbox.clear() if error is None else self._sandbox.close()
 
     def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
-        """Begin a match, with a seed for each seat.
+        """Begin a match, with a seed for each seat; all time and faults before the first view count as init.
 
         Returns:
             The faults of seats that cannot play, by seat.
+
+        Raises:
+            MatchFailedError: here and in `act`, if the match failed on our side.
         """
         self._limits = limits
         for seat, policy in self._policies.items():
@@ -80,13 +113,30 @@ class Players:
                 policy.reset(seeds[seat])
             except (Exception, SystemExit) as error:  # noqa: BLE001 - a stranger's code may raise anything
                 self._absent[seat] = Fault("FORFEIT_INIT", f"reset raised {reason(error)}")
-        return self._absent
+        greeted = self._greet()
+        faults: dict[int, Fault] = {}
+        for seat, reply in greeted.items():
+            if reply.fault is not None:
+                faults[seat] = reply.fault
+            elif self._isolated[seat].side == "prey":  # prey cannot choose its control (R12.2)
+                continue
+            elif (control := reply.fields.get("control", "target")) != self.controls[seat]:
+                why = f"says that its control is {shortened(control)}, and said {self.controls[seat]!r} before"
+                faults[seat] = Fault("FORFEIT_INIT", why)
+        lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
+        left_s = {seat: max(0.0, self._quotas.init_s - greeted[seat].seconds) for seat in lines}
+        for seat, reply in self._exchange(lines, left_s, "reset").items():
+            if reply.fault is not None:
+                faults[seat] = reply.fault
+        return self._absent | {seat: replace(fault, code="FORFEIT_INIT") for seat, fault in faults.items()}
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Move]:
-        """Return the answers of these seats in one step."""
+        """Return the answers of these seats in one step; all processes get their views before one is read."""
         moves: dict[int, Move] = {}
         policies, all_limits, clock = self._policies, self._limits, time.perf_counter
         for seat, (vector, mask) in observations.items():
+            if seat not in policies:
+                continue
             view = all_limits[seat].view(vector, mask)
             begin = clock()
             try:
@@ -96,11 +146,181 @@ class Players:
                 moves[seat] = None, clock() - begin, fault
             else:
                 moves[seat] = action, clock() - begin, None
-        return moves
+        return moves | self._isolated_moves(observations) if self._processes else moves
+
+    def inspect(self) -> Inspection:
+        """Ask the agent in seat 0 for its control, side and sources, and end it."""
+        reply = self._greet()[0]
+        log = self.logs()[0]
+        self.drop(0)
+        if reply.fault is not None:
+            return Inspection(fault=reply.fault.reason, log=log)
+        control, sources = reply.fields.get("control", "target"), reply.fields.get("sources")
+        try:
+            require_choice("control", control if isinstance(control, str) else shortened(control), get_args(Control))
+        except ConfigError as error:
+            return Inspection(fault=str(error), log=log)
+        listed = sources if isinstance(sources, list) else []  # a stranger's code may say anything
+        named = tuple(one for one in listed if isinstance(one, str))
+        return Inspection(control, named, None, log, reply.fields.get("prey") is True)
 
     def drop(self, seat: int) -> None:
         """End the agent of a seat that forfeited or dropped out; no process of it is left."""
+        if self._sandbox is not None and seat in self._processes:
+            self._dropped.add(seat)
+            self._sandbox.end(self._isolated[seat])
 
     def logs(self) -> dict[int, str]:
-        """Return the printed text by seat, of absent agents only: the others print to this process's own output."""
-        return {seat: fault.log for seat, fault in self._absent.items() if fault.log}
+        """Return the printed text by seat; agents in this process print to its own output."""
+        for seat, process in self._processes.items():
+            if seat not in self._dropped:
+                process.read_log()
+        absent = {seat: fault.log for seat, fault in self._absent.items() if fault.log}
+        return absent | {seat: process.log.text() for seat, process in self._processes.items()}
+
+    def _greet(self) -> dict[int, _Reply]:
+        """Start all isolated agents, and return their answers to the greeting."""
+        if self._sandbox is None:
+            return {}
+        for seat, entrant in self._isolated.items():
+            self._processes[seat] = self._sandbox.start(entrant)
+        lines = {seat: protocol.hello_line(entrant.side) for seat, entrant in self._isolated.items()}
+        return self._exchange(lines, dict.fromkeys(lines, self._quotas.init_s), "init")
+
+    def _isolated_moves(self, observations: Mapping[int, Observation]) -> dict[int, Move]:
+        """Return the answers of those of these seats whose agents are isolated, and charge their time banks."""
+        moves: dict[int, Move] = {}
+        step_s, bank_s = self._quotas.step_ms / 1000.0, self._bank_s
+        lines = {seat: protocol.view_line(*one) for seat, one in observations.items() if seat in self._processes}
+        allowed_s = {seat: step_s + bank_s[seat] for seat in lines}
+        for seat, reply in self._exchange(lines, allowed_s, "act", self._while_waiting).items():
+            bank_s[seat] -= max(0.0, reply.seconds - step_s)
+            fault = reply.fault
+            if fault is None and "action" not in reply.fields:
+                fault = Fault("FORFEIT_ILLEGAL", f"its line holds no action: {shortened(reply.fields)}")
+            moves[seat] = reply.fields.get("action"), reply.seconds, fault
+        return moves
+
+    def _exchange(
+        self,
+        lines: Mapping[int, bytes],
+        allowed_s: Mapping[int, float],
+        doing: str,
+        while_waiting: Callable[[], None] | None = None,
+    ) -> dict[int, _Reply]:
+        """Send each seat its line, and return the answer of each: a JSON object or a fault.
+
+        Raises:
+            MatchFailedError: if this process stood still, or an agent's process ended before any code of the agent ran.
+        """
+        if not lines:  # Windows has no poll
+            return {}
+        replies: dict[int, _Reply] = {}
+        sent_at: dict[int, float] = {}
+        due: dict[int, float] = {}
+        seat_of: dict[int, int] = {}
+        poll = select.poll()
+        late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._limit_name(doing)}", late=True)
+        now = time.monotonic()
+        call_at = math.inf if while_waiting is None else now + _FIRST_WAIT_S
+        waited_s = 0.0  # time in `while_waiting`, which `now` does not count
+        for seat, line in lines.items():
+            process = self._processes[seat]
+            sent_at[seat] = sent = time.monotonic()
+            if not process.write(line):
+                replies[seat] = _Reply(
+                    {}, 0.0, Fault("FORFEIT_TIMEOUT", f"{doing}: it does not read its lines", late=True)
+                )
+                continue
+            due[seat] = sent + allowed_s[seat]
+            for file in process.files():
+                seat_of[file] = seat
+                poll.register(file, select.POLLIN)
+        while due:
+            wait_s = min(max(0.0, min(*due.values(), call_at) - now), _POLL_S)
+            events = poll.poll(math.ceil(1000.0 * wait_s))
+            before, now = now, time.monotonic() - waited_s
+            if now - before > wait_s + _STALL_S:
+                raise MatchFailedError(f"this process stood still for {now - before - wait_s:.1f} s")
+            for file, _ in events:
+                seat = seat_of[file]
+                process = self._processes[seat]
+                if file == process.log_pipe:
+                    if not process.read_log():
+                        poll.unregister(file)
+                elif (received := process.read()) is not None:
+                    poll.unregister(file)
+                    reply = _parse(doing, received, now - sent_at[seat], process)
+                    in_time = now <= due.pop(seat) or reply.fault is not None
+                    replies[seat] = reply if in_time else _Reply({}, reply.seconds, late)
+            for seat in [seat for seat, end in due.items() if now > end]:
+                del due[seat]
+                poll.unregister(self._processes[seat].answer_pipe)  # later answers are too late
+                replies[seat] = _Reply({}, now - sent_at[seat], late)
+            if while_waiting is not None and due and now >= call_at:
+                try:
+                    while_waiting()
+                except BaseException:
+                    for seat in due:
+                        self.drop(seat)
+                    raise
+                waited_s = time.monotonic() - now
+                call_at = now + _WAIT_S
+        for seat, reply in replies.items():
+            if reply.fault is ENDED:
+                why = self._end_of_process(seat)
+                replies[seat] = _Reply({}, reply.seconds, Fault("FORFEIT_CRASH", f"{doing}: {why}"))
+        return replies
+
+    def _limit_name(self, doing: str) -> str:
+        """Return the name of the limit that a late agent exceeds; reports count faults by these words."""
+        init, step = f"init_s ({self._quotas.init_s:g} s)", f"step_ms ({self._quotas.step_ms:g} ms)"
+        if doing == "act":
+            return f"{step} and what was left of bank_s ({self._quotas.bank_s:g} s)"
+        return init if doing == "init" else f"what was left of {init}"
+
+    def _end_of_process(self, seat: int) -> str:
+        """End an agent that closed its answers, and return in words how its process ended.
+
+        Raises:
+            MatchFailedError: if the process ended before it ran any code of the agent.
+        """
+        process = self._processes[seat]
+        code = process.exit_code()
+        self.drop(seat)
+        if not process.started:
+            last = process.log.last_line() or "it printed nothing"
+            raise MatchFailedError(f"the process of {self._isolated[seat].name} could not start: {last}")
+        return exit_reason(code, process.log)
+
+
+def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
+    """Return a function that inspects an agent for `enter`, in the kind of process in which the agent would play."""
+
+    def inspect(spec: str) -> Inspection:
+        if sandbox is None or is_shipped(spec):
+            return inspect_agent(spec)
+        with Players([Entrant(spec, spec, "target", "")], sandbox) as players:
+            return players.inspect()
+
+    return inspect
+
+
+def _parse(doing: str, received: bytes | Fault, seconds: float, process: AgentProcess) -> _Reply:
+    """Return an agent's line as a reply; a line that is no JSON object, or that holds an error, is a fault."""
+    if isinstance(received, Fault):
+        return _Reply({}, seconds, received)
+    try:
+        fields = json.loads(received)
+    except (ValueError, RecursionError):
+        fields = None
+    if not isinstance(fields, dict):
+        return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {excerpt(received)}"))
+    if "ended" in fields:  # our program reports the end of the process that it forked for the match
+        process.read_log()
+        why = exit_reason(fields["ended"], process.log)
+        return _Reply({}, seconds, Fault("FORFEIT_CRASH", f"{doing}: {why}"))
+    if "error" in fields:
+        why = fields["error"]
+        return _Reply({}, seconds, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else shortened(why))))
+    return _Reply(fields, seconds)

@@ -147,7 +147,7 @@ def test_an_export_whose_name_and_format_contradict_is_refused(played):
 @pytest.mark.parametrize(
     ("name", "work"),
     [
-        ("mine.replay", "catch_arena.tournament.isolation.playing.play_entrants"),
+        ("mine.replay", "catch_arena.tournament.match_loop.play_entrants"),
         ("v.mp4", "catch_arena.render.video.render_replay"),
         ("grades.json", "catch_arena.tournament.grading.grade_agent"),
         ("e.csv", "catch_arena.tournament.export.export"),

@@ -12,10 +12,10 @@ from odd_actions import FORMS, NO_RANK, RANK_1, Arrayed, Index, Listed
 from catch_arena import VectorArena, env, parallel_env, scenario
 from catch_arena.errors import ActionError, AgentError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play_match
+from catch_arena.tournament.match_loop import play_entrants, play_match
+from catch_arena.tournament.players import inspector
 from catch_arena.training import LearnerBatch
 
 SEED = 5

@@ -8,8 +8,10 @@ from pathlib import Path
 import catch_arena
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.playing import inspector, play_entrants, sandbox_for
 from catch_arena.tournament.isolation.quotas import Quotas
+from catch_arena.tournament.isolation.sandbox import sandbox_for
+from catch_arena.tournament.match_loop import play_entrants
+from catch_arena.tournament.players import inspector
 
 PACKAGE = Path(catch_arena.__file__).parent
 WALL = re.compile(

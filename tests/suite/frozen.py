@@ -11,7 +11,7 @@ from pathlib import Path
 from catch_arena.suite.contents import suite_called
 from catch_arena.suite.evaluation import Evaluation
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.playing import play_entrants
+from catch_arena.tournament.match_loop import play_entrants
 
 DATA = Path(__file__).parents[1] / "data"
 STEPS = 150

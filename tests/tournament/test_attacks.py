@@ -19,9 +19,10 @@ from tournament.agents import source
 from catch_arena import scenario
 from catch_arena.interrupts import descendants
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.match_loop import play_entrants
+from catch_arena.tournament.players import inspector
 from catch_arena.tournament.store import Store
 
 pytestmark = [pytest.mark.hostile, pytest.mark.parametrize("level", NAMESPACES)]

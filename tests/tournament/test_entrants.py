@@ -8,9 +8,9 @@ import pytest
 
 from catch_arena.errors import AgentError
 from catch_arena.tournament.entrants import Inspection, enter
-from catch_arena.tournament.isolation.playing import inspector
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.players import inspector
 
 HOLDS = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
 

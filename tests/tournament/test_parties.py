@@ -12,12 +12,12 @@ import catch_arena
 from catch_arena import Replay, scenario
 from catch_arena.policy import PreyView
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.playing import inspector, play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play_match
+from catch_arena.tournament.match_loop import play_entrants, play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
+from catch_arena.tournament.players import inspector
 from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.tournament.statistics.sides import on_side
 

@@ -12,7 +12,8 @@ from catch_arena.policy import Limits
 from catch_arena.ros.middleware.bus import Log
 from catch_arena.service import ArenaService
 from catch_arena.text import one_line
-from catch_arena.tournament.players import Move, Players
+from catch_arena.tournament.match import Move
+from catch_arena.tournament.players import Players
 from catch_arena.tournament.secret import agent_seed
 
 ACT_EVERY_MS: Final = 100

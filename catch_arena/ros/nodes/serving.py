@@ -18,8 +18,9 @@ from catch_arena.ros.nodes.arena_node import ArenaNode
 from catch_arena.ros.nodes.rate import Rate
 from catch_arena.service import ArenaService
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.playing import sandbox_for, start_players
 from catch_arena.tournament.isolation.quotas import Quotas
+from catch_arena.tournament.isolation.sandbox import sandbox_for
+from catch_arena.tournament.players import Players
 
 FASTEST: Final = 100.0
 """The highest --speed."""
@@ -95,7 +96,7 @@ def serve_match(
         players = None
         if agents:
             sandbox = stack.enter_context(sandbox_for(quotas))
-            players = AgentSeats(service, stack.enter_context(start_players(agents, sandbox)), log)
+            players = AgentSeats(service, stack.enter_context(Players(agents, sandbox)), log)
             stack.callback(players.close)
         driven = [seat for seat in range(config.hunters) if seat not in agents]
         joined = stack.enter_context(bus)

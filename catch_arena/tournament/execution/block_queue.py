@@ -15,8 +15,7 @@ from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.worker import RecordedMatch
-from catch_arena.tournament.match import Block
-from catch_arena.tournament.players import Fault
+from catch_arena.tournament.match import Block, Fault
 
 _MOST_TRIES: Final = 3
 """Number of tries of a block that fails on our side."""

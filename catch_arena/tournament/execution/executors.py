@@ -17,8 +17,7 @@ from catch_arena.engine import Engine
 from catch_arena.errors import MatchFailedError
 from catch_arena.streams import outlive_readers
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
-from catch_arena.tournament.match import Match
-from catch_arena.tournament.players import Fault
+from catch_arena.tournament.match import Fault, Match
 
 _Result = TypeVar("_Result")
 

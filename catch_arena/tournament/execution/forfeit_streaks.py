@@ -8,8 +8,7 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from typing import Final
 
-from catch_arena.tournament.match import Block, PlayedMatch
-from catch_arena.tournament.players import Fault
+from catch_arena.tournament.match import Block, Fault, PlayedMatch
 
 MAX_FORFEITS: Final = 10
 """Usual number of forfeits in a row that exclude an agent."""

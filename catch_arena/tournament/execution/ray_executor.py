@@ -14,9 +14,8 @@ from catch_arena.errors import AgentError, CatchArenaError, ConfigError, MatchFa
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.execution.worker import RecordedMatch, Worker
-from catch_arena.tournament.isolation.playing import inspector
-from catch_arena.tournament.match import Match
-from catch_arena.tournament.players import Fault
+from catch_arena.tournament.match import Fault, Match
+from catch_arena.tournament.players import inspector
 from catch_arena.tournament.store import versions
 
 

@@ -9,12 +9,11 @@ from typing import Final
 
 from catch_arena.config import ArenaConfig
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.isolation.playing import play_entrants
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import Match, PlayedMatch
+from catch_arena.tournament.match import Fault, Match, PlayedMatch
+from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import Fault
 
 _DIGEST_BYTES: Final = 16
 

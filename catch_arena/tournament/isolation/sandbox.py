@@ -8,7 +8,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from contextlib import suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import Any, Final
@@ -21,7 +21,7 @@ from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.namespaces import TEMPORARY, available_level, bubblewrap_command, visible_paths
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.loading import module_folders
-from catch_arena.tournament.players import Fault
+from catch_arena.tournament.match import Fault
 
 ENDED: Final = Fault("FORFEIT_CRASH", "it closed its answers")
 """Fault of an agent that closed its answers, mostly because its process has ended; `AgentProcess.read` returns this
@@ -289,6 +289,11 @@ class Sandbox:
         """End all agents, and remove the files that they wrote."""
         while self._processes:
             self._processes.popitem()[1].close()
+
+
+def sandbox_for(quotas: Quotas | None) -> AbstractContextManager[Sandbox | None]:
+    """Return a context manager with a sandbox of these quotas, or with None if all agents are trusted."""
+    return nullcontext() if quotas is None else Sandbox(quotas)
 
 
 def exit_reason(code: Any, log: Log) -> str:

@@ -20,9 +20,8 @@ from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.worker import Worker
-from catch_arena.tournament.match import Forfeit, Match, MatchResult, MoveTimes, PlayedMatch
+from catch_arena.tournament.match import Fault, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
-from catch_arena.tournament.players import Fault
 from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.store import Tournament
 

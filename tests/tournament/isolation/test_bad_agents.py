@@ -11,10 +11,10 @@ from tournament.agents import LEAVES_A_CHILD, source
 from catch_arena import Replay, scenario
 from catch_arena.interrupts import descendants
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play_match
+from catch_arena.tournament.players import Players, inspector
 
 BAD = Path(__file__).parent / "bad"
 SHORT = scenario("duel", time_limit_s=4)
@@ -97,7 +97,7 @@ def played(tmp_path):
     def match(sandbox, *names, record=None):
         entrants = enter(list(map(spec, names)), inspector(sandbox))
         config = SHORT.replace(hunters=len(entrants))
-        with start_players(entrants, sandbox) as players:
+        with Players(entrants, sandbox) as players:
             return play_match(config, 3, players, [one.name for one in entrants], record=record)
 
     return match
@@ -174,7 +174,7 @@ def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_noth
 def test_one_that_prints_nowhere_plays_on(sandbox, tmp_path, closing):
     (tmp_path / "quiet.py").write_text(source(before=f"import sys\n{closing}\n"))
     entrants = enter([str(tmp_path / "quiet.py"), "idle"], inspector(sandbox))
-    with start_players(entrants, sandbox) as players:
+    with Players(entrants, sandbox) as players:
         assert play_match(SHORT, 1, players, ["quiet", "idle"]).forfeit_codes == (None, None)
 
 
@@ -233,7 +233,7 @@ def test_one_that_ends_before_its_first_answer_is_told_how_and_its_output_is_kep
     path.write_text(source)
     entrants = enter([source if source.startswith("cmd:") else str(path), "idle"], inspector(sandbox))
     assert entrants[0].fault == reason
-    with start_players(entrants, sandbox) as players:
+    with Players(entrants, sandbox) as players:
         result = play_match(SHORT, 1, players, ["mine", "idle"])
     assert result.forfeits[0].reason == reason
     _, _, last_line = reason.partition("its last line: ")
@@ -255,7 +255,7 @@ def test_one_that_cannot_begin_is_entered_and_forfeits_every_match(sandbox, tmp_
     path.write_text(source)
     entrants = enter([str(path), "nearest"], inspector(sandbox))
     assert re.search(reason, entrants[0].fault)
-    with start_players(entrants, sandbox) as players:
+    with Players(entrants, sandbox) as players:
         result = play_match(SHORT, 1, players, ["mine", "nearest"])
     assert result.forfeit_codes == ("FORFEIT_INIT", None)
     assert result.forfeits[0].reason == entrants[0].fault

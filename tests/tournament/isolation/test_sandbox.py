@@ -17,11 +17,11 @@ from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.interrupts import descendants
 from catch_arena.policy import Limits
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.isolation.playing import inspector, start_players
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.match_loop import MatchStopped, play_match
+from catch_arena.tournament.players import Players, inspector
 
 SHORT = scenario("duel", time_limit_s=10)
 
@@ -38,7 +38,7 @@ def alone(name):
 
 
 def played(config, entrants, sandbox, **options):
-    with start_players(entrants, sandbox) as players:
+    with Players(entrants, sandbox) as players:
         return play_match(config, 7, players, [one.name for one in entrants], **options)
 
 
@@ -166,14 +166,14 @@ def test_without_a_folder_for_temporary_files_nothing_begins_and_no_agent_is_bla
 
 
 def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, tmp_path, monkeypatch):
-    monkeypatch.setattr("catch_arena.tournament.isolation.isolated_players._STALL_S", 1.0)
+    monkeypatch.setattr("catch_arena.tournament.players._STALL_S", 1.0)
     slow = write_agent(tmp_path / "slow.py", "time.sleep(0.05)\nreturn 0", before="import time\n")
     entrants = enter([slow, "idle"], inspector(sandbox))
     former = signal.signal(signal.SIGALRM, lambda *_: time.sleep(1.5))
     try:
         with (
             pytest.raises(MatchFailedError, match="this process stood still for"),
-            start_players(entrants, sandbox) as players,
+            Players(entrants, sandbox) as players,
         ):
             # the alarm comes 20 ms after a step's begin: while the slow one is waited for
             play_match(SHORT, 1, players, ["a", "b"], watch=lambda _: signal.setitimer(signal.ITIMER_REAL, 0.02))
@@ -184,14 +184,14 @@ def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, tmp_pa
 
 def test_no_agent_pays_for_what_is_done_while_waiting_for_it(sandbox, tmp_path, monkeypatch):
     """Each call takes longer than the agent's limit, by a clock of the test, and longer than a stall of our process."""
-    monkeypatch.setattr("catch_arena.tournament.isolation.isolated_players._STALL_S", 50.0)
+    monkeypatch.setattr("catch_arena.tournament.players._STALL_S", 50.0)
     drawing_s = [0.0]
-    clock = SimpleNamespace(monotonic=lambda: time.monotonic() + sum(drawing_s))
+    clock = SimpleNamespace(monotonic=lambda: time.monotonic() + sum(drawing_s), perf_counter=time.perf_counter)
     slow = write_agent(tmp_path / "slow.py", "time.sleep(0.3)\nreturn 0", before="import time\n")
     with Sandbox(Quotas(isolation=sandbox.quotas.isolation, step_ms=60_000, bank_s=0)) as patient:
         entrants = enter([slow, "idle"], inspector(patient))
-        with start_players(entrants, patient, while_waiting=lambda: drawing_s.append(100.0)) as players:
-            monkeypatch.setattr("catch_arena.tournament.isolation.isolated_players.time", clock)
+        with Players(entrants, patient, while_waiting=lambda: drawing_s.append(100.0)) as players:
+            monkeypatch.setattr("catch_arena.tournament.players.time", clock)
             result = play_match(SHORT, 1, players, ["a", "b"], most_steps=1)
     assert result.forfeit_codes == (None, None)
     assert result.thinking[0].longest_s < 60
@@ -209,7 +209,7 @@ def test_a_match_may_be_stopped_while_an_agent_hangs(sandbox, tmp_path):
 
     with Sandbox(Quotas(isolation=sandbox.quotas.isolation, step_ms=600_000)) as patient:
         entrants = enter([hangs, alone("idle")], inspector(patient))
-        with start_players(entrants, patient, while_waiting=stop) as players:
+        with Players(entrants, patient, while_waiting=stop) as players:
             result = play_match(SHORT, 1, players, ["a", "b"])
     assert result.forfeit_codes == (None, None)
     assert result.logs == ("step 1\n", "")
