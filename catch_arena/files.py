@@ -21,8 +21,6 @@ else:
     import tomli as tomllib  # noqa: F401
 
 _FULL: Final = {errno.ENOSPC, errno.EDQUOT}
-LEAST_FREE: Final = 1_000_000
-"""Free space in bytes below which the disk counts as full."""
 
 
 def regular_file(path: Path) -> Path:
@@ -66,11 +64,6 @@ def wide_text_fault(content: bytes) -> str | None:
     if two_bytes_each or content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
         return "is text in UTF-16: save it as UTF-8"
     return None
-
-
-def is_loop(path: Path) -> bool:
-    """Return whether a path is a link that leads to itself, directly or through other links."""
-    return Path(os.path.realpath(path)).is_symlink()
 
 
 def write_whole(path: Path, content: bytes, *, private: bool = False) -> None:
@@ -146,8 +139,7 @@ def prepare_folder(folder: Path) -> Path:
         probe.unlink(missing_ok=True)  # another process may probe the folder at the same time
     except (FileExistsError, NotADirectoryError):
         taken = next(path for path in (folder, *folder.parents) if os.path.lexists(path) and not path.is_dir())
-        found = "a link that leads to itself" if is_loop(taken) else "a file, not a folder"
-        raise OutputError(f"{taken}: cannot be written: is {found}") from None
+        raise OutputError(f"{taken}: cannot be written: is not a folder") from None
     except OSError as error:
         raise unwritable(folder, error) from None
     return folder
@@ -175,13 +167,6 @@ def unwritable(path: Path, error: Exception, size: int | None = None) -> OutputE
     full = getattr(error, "errno", None) in _FULL
     why = f"the disk is full: {room(path.parent, size)}" if full else getattr(error, "strerror", None) or error
     return OutputError(f"{path}: cannot be written: {why}")
-
-
-def is_full(folder: Path, needed: int = LEAST_FREE) -> bool:
-    """Return whether a folder has less than `needed` bytes free; false if the free space is unknown."""
-    with suppress(OSError):
-        return shutil.disk_usage(folder).free < needed
-    return False
 
 
 def room(folder: Path, size: int | None = None) -> str:

@@ -17,7 +17,6 @@ from typing import Final, NamedTuple
 
 from catch_arena import agents
 from catch_arena.errors import AgentError, suggest
-from catch_arena.files import is_loop
 from catch_arena.text import composed
 
 COMMAND: Final = "cmd:"
@@ -174,8 +173,7 @@ def _resolve_path(word: str, path: Path) -> AgentSpec:
             raise AgentError(f"{word}: its {IN_FOLDER} is a link, and an isolated agent sees only its folder: copy it")
         return AgentSpec(str(path), tuple(map(composed, path.parts[1:])), _digest_of_folder(path))
     if not path.is_file():
-        why = "is a link that leads to no file" if path.is_symlink() else "no such file"
-        raise AgentError(f"{word}: {'is a link that leads to itself' if is_loop(path) else why}")
+        raise AgentError(f"{word}: {'is a link that leads to no file' if path.is_symlink() else 'no such file'}")
     content = path.read_bytes()
     if path.suffix == ".ipynb" or (content.lstrip().startswith(b"{") and b'"cells"' in content):
         raise AgentError(f"{word}: is a notebook; save the code of its agent as a .py file with a class Agent")

@@ -19,7 +19,6 @@ import msgspec
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import OtherTournamentError, StoreError
-from catch_arena.files import LEAST_FREE, is_full, is_loop, room
 from catch_arena.text import one_line
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -35,9 +34,6 @@ _APPLICATION_ID: Final = 0x43417231  # SQLite's application_id: the kind of the 
 _FORMAT: Final = 6
 _PATIENCE_S: Final = 60.0
 """Longest time that another process may lock the file [s]."""
-_FULL: Final = "SQLITE_FULL"
-_FAILED: Final = "SQLITE_IOERR"
-"""Names of SQLite's errors if it cannot write. A full disk may give _FAILED too, if a helper file is written."""
 _TABLES: Final = """
 CREATE TABLE fact (name TEXT PRIMARY KEY, value TEXT NOT NULL) WITHOUT ROWID;
 CREATE TABLE versions (id INTEGER PRIMARY KEY, value TEXT NOT NULL UNIQUE);
@@ -142,8 +138,6 @@ class Store:
             StoreError: if there is none; here and in later calls also if the file is damaged.
         """
         path = folder / STORE
-        if is_loop(folder):
-            raise StoreError(f"{folder}: is a link that leads to itself")
         if not path.is_file():
             raise StoreError(f"{folder}: holds no tournament (a file {STORE})")
         store = cls(path, writable=False)
@@ -317,7 +311,7 @@ class Store:
         except UnicodeError:  # in a message of SQLite
             raise self._damaged("it holds what is no text") from None
         except sqlite3.Error as error:
-            raise StoreError(f"{self.path}: {one_line(self._message(error))}") from None
+            raise StoreError(f"{self.path}: cannot be used: {one_line(str(error))}") from None
 
     def _decode(self, kind: type[T], where: str, text: str) -> T:
         try:
@@ -328,23 +322,6 @@ class Store:
     def _damaged(self, value: object) -> StoreError:
         """Return the error for a stored value that no command has written, named by its table and row."""
         return StoreError(f"{self.path}: is damaged: {one_line(str(value))}")
-
-    def _message(self, error: sqlite3.Error) -> str:
-        """Return an error of SQLite in words; if it cannot write, with the free and the needed space."""
-        name = getattr(error, "sqlite_errorname", "")
-        if not name.startswith((_FULL, _FAILED)):
-            return f"cannot be used: {error}"
-        folder, needed = self.path.parent, self._bytes_needed()
-        why = "the disk is full" if name == _FULL or is_full(folder, max(LEAST_FREE, needed or 0)) else error
-        return f"cannot be written: {why}: {room(folder, needed)}"
-
-    def _bytes_needed(self) -> int | None:
-        """Return the approximate size of the matches that are not played yet [bytes]; None if it is unknown."""
-        with suppress(sqlite3.Error, StoreError):
-            (played,) = self._db.execute("SELECT count(*) FROM match").fetchone()
-            parties = Parties.of(self._tournament().config)
-            return max(0, self._planned() - played) * store_bytes(len(parties)) or None
-        return None
 
 
 @contextmanager

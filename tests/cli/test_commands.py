@@ -146,7 +146,7 @@ def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
         (["tournament", "nearest", "idle", *QUICK, "--set", "control=full"], "each agent declares its own control"),
         (
             ["tournament", "nearest", "idle", *QUICK, "--out", "file/o"],
-            "file: cannot be written: is a file, not a folder",
+            "file: cannot be written: is not a folder",
         ),
         (["tournament", "nearest", "idle", *QUICK, "--address", "auto"], "--address must come with --executor ray"),
         (

@@ -127,10 +127,10 @@ def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
 @pytest.mark.parametrize(
     ("words", "why"),
     [
-        (["match", "loop.py", "idle"], "loop.py: is a link that leads to itself"),
+        (["match", "loop.py", "idle"], "loop.py: is a link that leads to no file"),
         (["match", "idle", "idle", "-o", "loop.replay"], "loop.replay: cannot be written: Too many levels of "),
-        (["tournament", "idle", "idle", "--out", "loop"], "loop: cannot be written: is a link that leads to itself"),
-        (["report", "loop"], "loop: is a link that leads to itself"),
+        (["tournament", "idle", "idle", "--out", "loop"], "loop: cannot be written: is not a folder"),
+        (["report", "loop"], "loop: holds no tournament"),
         (["mosaic", "loop", "-o", "x.mp4"], "loop: is not a folder"),
         (["match", "idle", "idle", "-o", 300 * "x" + ".replay"], "x.replay: cannot be written: File name too long"),
         (["ros", "import", "loop.mp4"], "loop.mp4: cannot be written: Too many levels of symbolic links"),

@@ -380,7 +380,7 @@ def test_a_file_in_the_place_of_the_site_costs_no_match(folder):
     (folder / "site").write_text("a file")
     done = league(folder)
     assert done.exit_code == 2
-    assert "site: cannot be written: is a file, not a folder" in done.output
+    assert "site: cannot be written: is not a folder" in done.output
     played = matches(folder)
     (folder / "site").unlink()
     assert "0 new matches" in league(folder).output

@@ -142,7 +142,7 @@ def test_another_suite_is_played_by_its_name_in_a_folder_of_its_own(run, tmp_pat
         (["nearst"], "unknown agent 'nearst': did you mean nearest"),
         (["nearest", "--json", "there.json"], "there.json: already exists; use --force"),
         (["nearest", "--suite", "ladder"], "unknown suite 'ladder': known: catch_arena_ladder_v1, small_v1"),
-        (["nearest", "--out", "there.json"], "there.json: cannot be written: is a file, not a folder"),
+        (["nearest", "--out", "there.json"], "there.json: cannot be written: is not a folder"),
     ],
 )
 def test_words_that_cannot_be_are_one_line_and_exit_code_2(run, tmp_path, words, message):

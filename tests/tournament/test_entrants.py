@@ -122,7 +122,7 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
         ),
         ("empty", "empty: is a folder without agent.py, which holds the class Agent"),
         ("linked", r"linked: its agent\.py is a link, and an isolated agent sees only its folder: copy it"),
-        ("loop.py", "loop.py: is a link that leads to itself"),
+        ("loop.py", "loop.py: is a link that leads to no file"),
         ("cmd:./dos.sh", "./dos.sh: its lines end as on Windows"),
         (
             "cmd:./lacks.sh",
