@@ -26,7 +26,6 @@ SHARED: Final = Path("/dev/shm")  # noqa: S108
 _PROGRAM: Final = "bwrap"
 _UNPRIVILEGED_ID: Final = 65534
 _PROBE_S: Final = 20.0
-_SYSCTL: Final = Path("/proc/sys")
 _OPTIONS: Final = (
     *("--unshare-user", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"),
     *("--uid", f"{_UNPRIVILEGED_ID}", "--gid", f"{_UNPRIVILEGED_ID}", "--hostname", "arena"),
@@ -40,16 +39,6 @@ _SETTINGS: Final = (
 )
 """Files in /etc that programs read, without the machine's users, keys and names."""
 _INSTALLED: Final = {"site-packages", "dist-packages"}
-_REASONS: Final = (
-    ("kernel/unprivileged_userns_clone", "0", "sysctl kernel.unprivileged_userns_clone=1 allows user namespaces"),
-    ("user/max_user_namespaces", "0", "sysctl user.max_user_namespaces=10000 allows user namespaces"),
-    (
-        "kernel/apparmor_restrict_unprivileged_userns",
-        "1",
-        "AppArmor must allow it user namespaces: sysctl kernel.apparmor_restrict_unprivileged_userns=0, or a profile",
-    ),
-)
-"""Settings of the kernel that forbid user namespaces: name, value, and remedy."""
 
 
 def available_level(required: Level | None = None) -> Level:
@@ -128,24 +117,9 @@ def _fault(program: str | None) -> str | None:
     except OSError as error:
         return f"{program} cannot be started: {error.strerror}"
     except subprocess.CalledProcessError as error:
-        lines = error.stderr.decode(errors="replace").strip().splitlines()
-        return "; ".join(
-            [f"{program} fails: {lines[-1] if lines else f'exit code {error.returncode}'}", *_hints(lines)]
-        )
+        lines = error.stderr.decode(errors="replace").strip().splitlines() or [f"exit code {error.returncode}"]
+        return f"{program} fails: {lines[-1]}; it must be version 0.8 or later, and the kernel must allow namespaces"
     return None
-
-
-def _hints(lines: Sequence[str]) -> list[str]:
-    if any("Unknown option" in line for line in lines):
-        return ["it must be version 0.8 or later"]
-    return [hint for name, value, hint in _REASONS if _setting(name) == value]
-
-
-def _setting(name: str) -> str | None:
-    try:
-        return (_SYSCTL / name).read_text().strip()
-    except OSError:
-        return None
 
 
 def _runtime() -> Iterator[Path]:

@@ -55,24 +55,6 @@ def test_without_a_bubblewrap_that_works_the_level_is_refused_in_one_line(bubble
     assert "\n" not in str(refused.value)
 
 
-@pytest.mark.parametrize(
-    ("setting", "value", "hint"),
-    [
-        ("kernel/unprivileged_userns_clone", "0", "sysctl kernel.unprivileged_userns_clone=1"),
-        ("user/max_user_namespaces", "0", "sysctl user.max_user_namespaces=10000"),
-        ("kernel/apparmor_restrict_unprivileged_userns", "1", "AppArmor must allow"),
-    ],
-)
-def test_a_kernel_without_user_namespaces_is_named(bubblewrap, tmp_path, monkeypatch, setting, value, hint):
-    path = tmp_path / "sys" / setting
-    path.parent.mkdir(parents=True)
-    path.write_text(f"{value}\n")
-    bubblewrap("echo bwrap: No permissions to create new namespace >&2; exit 1")
-    monkeypatch.setattr(namespaces, "_SYSCTL", tmp_path / "sys")
-    with pytest.raises(ConfigError, match=f"No permissions to create new namespace; {hint}"):
-        available_level("namespaces")
-
-
 def test_one_line_says_what_processes_do_not_stop_and_what_to_install(bubblewrap):
     bubblewrap(None)
     assert level_line("processes") == (
