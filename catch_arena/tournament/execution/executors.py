@@ -3,7 +3,6 @@
 import multiprocessing
 import os
 import signal
-import traceback
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
@@ -86,11 +85,11 @@ class ProcessExecutor(Executor):
         _compile(self.worker.config)  # once here; worker processes read it from the cache
         with _signals_held():  # new processes hold signals until they have begun
             try:
-                return self._pool.submit(_run_here, work, arguments)
+                return self._pool.submit(work, *arguments)
             except BrokenProcessPool:
                 self.close()
                 self._pool = self._new_pool()
-                return self._pool.submit(_run_here, work, arguments)
+                return self._pool.submit(work, *arguments)
 
     def result(self, future: Future[_Result]) -> _Result:
         """Return the result of submitted work.
@@ -129,13 +128,6 @@ def usable_cores() -> int:
 @cache
 def _compile(config: ArenaConfig) -> None:
     Engine(config)
-
-
-def _run_here(work: Callable[..., _Result], arguments: Sequence[Any]) -> _Result:
-    try:
-        return work(*arguments)
-    except KeyboardInterrupt:  # raised by an agent: this process ignores Ctrl-C
-        raise RuntimeError(f"in a worker process:\n{traceback.format_exc()}") from None
 
 
 @contextmanager

@@ -73,12 +73,6 @@ def test_a_match_whose_worker_was_killed_is_played_again(tmp_path):
     assert disturbed == run(SHORT, enter(names), plan)
 
 
-def test_what_nobody_expects_of_a_trusted_agent_is_told_with_where_it_was_raised(tmp_path):
-    bad = write_agent(tmp_path / "bad.py", "raise KeyboardInterrupt")
-    with pytest.raises(RuntimeError, match=r"(?s)in a worker process:.*bad\.py.*KeyboardInterrupt"):
-        run(SHORT, enter([bad, "nearest"]), round_robin(2, hunters(2), 1, seed=0), jobs=2)
-
-
 def test_a_trusted_agent_that_reads_finds_nothing(tmp_path):
     reads = write_agent(tmp_path / "reads.py", "return input()")
     one, _ = run(SHORT, enter([reads, "nearest"]), round_robin(2, hunters(2), 1, seed=0), jobs=2)
