@@ -27,8 +27,7 @@ from typing import Any, Final, NoReturn
 
 import msgspec
 
-import catch_arena
-from catch_arena.errors import AgentError, CatchArenaError, reason
+from catch_arena.errors import AgentError, reason
 from catch_arena.interrupts import LINUX
 from catch_arena.policy import Policy, PreyPolicy
 from catch_arena.tournament import loading
@@ -300,21 +299,13 @@ def _report(error: AgentError, out: int) -> None:
 
 
 def _print(error: BaseException) -> None:
-    """Print a traceback to the agent's log; for an error of ours only the agent's own lines, as the error is sent."""
+    """Print a traceback to the agent's log, from the agent's first line on."""
     agent_traceback = error.__traceback__
     while agent_traceback is not None and _calls_agents(agent_traceback.tb_frame.f_code.co_filename):
         agent_traceback = agent_traceback.tb_next
-    log = os.fdopen(2, "w", errors="backslashreplace", closefd=False)  # sys.stderr may be closed, or be anything
-    if isinstance(error, CatchArenaError):
-        package_folder = str(Path(catch_arena.__file__).parent) + os.sep
-        frames = [
-            frame for frame in traceback.extract_tb(agent_traceback) if not frame.filename.startswith(package_folder)
-        ]
-        traceback.print_list(frames, log)
-    else:
+    # sys.stderr may be closed, or be anything
+    with suppress(OSError), os.fdopen(2, "w", errors="backslashreplace", closefd=False) as log:
         traceback.print_exception(type(error), error, agent_traceback, file=log)
-    with suppress(OSError):
-        log.flush()
 
 
 def _calls_agents(file: str) -> bool:
