@@ -265,25 +265,14 @@ class _RunningMatch:
             if fault is not None:
                 faults[seat] = fault
                 continue
-            # the usual case without another call
-            usual = self._controls[seat] == "target" and type(action) is int and 0 <= action <= self._ranks
-            try:
-                self._actions[self._agents[seat]] = action if usual else self._checked(seat, action)
+            agent = self._agents[seat]
+            try:  # velocities out of bounds are refused here, and would be clipped by the env
+                checked_action(self._controls[seat], agent, action, self._ranks)
             except ActionError as refused:
-                faults[seat] = Fault("FORFEIT_ILLEGAL", str(refused).removeprefix(f"{self._agents[seat]}: "))
+                faults[seat] = Fault("FORFEIT_ILLEGAL", str(refused).removeprefix(f"{agent}: "))
+            else:
+                self._actions[agent] = action
         return faults
-
-    def _checked(self, seat: int, action: object) -> Any:
-        """Return an action as the env takes it; velocities out of bounds are refused here, and not clipped.
-
-        Raises:
-            ActionError: for an action that is not legal.
-        """
-        control = self._controls[seat]
-        choice, command = checked_action(control, self._agents[seat], action, self._ranks)
-        if control == "full":
-            return {"cmd_vel": command, "catch": choice}
-        return choice if control == "target" else command
 
     def _count(self, infos: _Infos) -> None:
         """Count the verdicts and contests of a step: each contest has one winner, and a party wins or loses it once."""
