@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from io import BytesIO
 from pathlib import Path
 from types import MappingProxyType
@@ -60,11 +60,11 @@ def play_entrants(
     """
     parties = Parties.of(config)
     playing = in_parties(config, entrants)
-    names = [playing[party].name for party in parties.by_seat]
+    seated = [playing[party] for party in parties.by_seat]
     absent = {seat: absent[party] for seat, party in enumerate(parties.by_seat) if party in absent}
     seeds = [_instance_seed(agent_seeds[party], number) for party, number in parties.places] if agent_seeds else []
-    with Players(in_seats(config, entrants), sandbox, absent) as players:
-        return play_match(config, seed, players, names, agent_seeds=seeds, **options)
+    with Players(seated, sandbox, absent) as players:
+        return play_match(config, seed, players, [one.name for one in seated], agent_seeds=seeds, **options)
 
 
 def play_match(
@@ -137,15 +137,6 @@ def in_parties(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant
     """Return the player of each party: its entrant, or the entrant that plays prey for it."""
     parties = Parties.of(config)
     return [entrant.on(parties.side_of(party)) for party, entrant in enumerate(entrants)]
-
-
-def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
-    """Return the player of each seat. Further seats of a team have different names: processes are kept by names."""
-    playing = in_parties(config, entrants)
-    return [
-        replace(playing[party], name=f"{playing[party].name} ({number + 1})", log="") if number else playing[party]
-        for party, number in Parties.of(config).places
-    ]
 
 
 def _instance_seed(seed: int, number: int) -> int:

@@ -86,7 +86,6 @@ class Players:
         self._sandbox = sandbox
         self._while_waiting = while_waiting
         self._processes: dict[int, AgentProcess] = {}
-        self._dropped: set[int] = set()
         self._quotas = Quotas() if sandbox is None else sandbox.quotas
         self._bank_s = dict.fromkeys(self._isolated, self._quotas.bank_s)
 
@@ -167,14 +166,12 @@ class Players:
     def drop(self, seat: int) -> None:
         """End the agent of a seat that forfeited or dropped out; no process of it is left."""
         if self._sandbox is not None and seat in self._processes:
-            self._dropped.add(seat)
-            self._sandbox.end(self._isolated[seat])
+            self._sandbox.end(self._processes[seat])
 
     def logs(self) -> dict[int, str]:
         """Return the printed text by seat; agents in this process print to its own output."""
-        for seat, process in self._processes.items():
-            if seat not in self._dropped:
-                process.read_log()
+        for process in self._processes.values():
+            process.read_log()
         absent = {seat: fault.log for seat, fault in self._absent.items() if fault.log}
         return absent | {seat: process.log.text() for seat, process in self._processes.items()}
 
@@ -183,7 +180,7 @@ class Players:
         if self._sandbox is None:
             return {}
         for seat, entrant in self._isolated.items():
-            self._processes[seat] = self._sandbox.start(entrant)
+            self._processes[seat] = self._sandbox.start(entrant.spec)
         lines = {seat: protocol.hello_line(entrant.side) for seat, entrant in self._isolated.items()}
         return self._exchange(lines, dict.fromkeys(lines, self._quotas.init_s), "init")
 

@@ -16,7 +16,6 @@ from typing import Any, Final
 import catch_arena
 from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.tournament.agent_spec import command_of
-from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.namespaces import TEMPORARY, available_level, bubblewrap_command, visible_paths
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -98,6 +97,7 @@ class AgentProcess:
     def __init__(self, spec: str, quotas: Quotas) -> None:
         if not hasattr(os, "fork"):
             raise ConfigError(f"{spec}: agents are isolated on Linux and macOS only: give --trusted, or use WSL")
+        self.spec = spec
         self._serves_many_matches = command_of(spec) is None  # a command ends with its first match
         self.started = False
         """True after the process has begun to run the agent's code."""
@@ -106,7 +106,6 @@ class AgentProcess:
         self._namespaced = quotas.isolation == "namespaces"
         self._unread = b""
         self._log_open = True
-        self._in_match = False
         self.log = Log(self._log_size)
         pipes: list[tuple[int, int]] = []
         try:
@@ -147,7 +146,6 @@ class AgentProcess:
 
     def begin(self) -> None:
         """Begin a match, with a new log."""
-        self._in_match = True
         self.log = Log(self._log_size)
 
     def files(self) -> tuple[int, ...]:
@@ -189,17 +187,14 @@ class AgentProcess:
         """Add printed bytes to the log, and return whether more may come."""
         with suppress(BlockingIOError):
             for _ in range(4):  # an agent that prints without end must not block
-                if not (part := os.read(self.log_pipe, protocol.PART)):
+                if self._log_open and (part := os.read(self.log_pipe, protocol.PART)):
+                    self.log.add(part)
+                else:
                     self._log_open = False
-                    break
-                self.log.add(part)
         return self._log_open
 
     def finish(self) -> bool:
-        """End the current match, if any, and return whether the process can play another one."""
-        if not self._in_match:
-            return True
-        self._in_match = False
+        """End the current match, and return whether the process can play another one."""
         if not self._serves_many_matches or not self.write(protocol.END):
             return False
         line = self._last_line()
@@ -227,6 +222,7 @@ class AgentProcess:
         deadline = time.monotonic() + _END_S  # the log ends with the last process in the namespaces
         while self.read_log() and (left := deadline - time.monotonic()) > 0:
             select.select([self.log_pipe], [], [], left)
+        self._log_open = False
         for file in (self._line_pipe, self.answer_pipe, self.log_pipe):
             os.close(file)
         if self._folder is not None:
@@ -253,7 +249,8 @@ class Sandbox:
 
     def __init__(self, quotas: Quotas) -> None:
         self.quotas = replace(quotas, isolation=available_level(quotas.isolation))
-        self._processes: dict[tuple[str, str], AgentProcess] = {}
+        self._playing: list[AgentProcess] = []
+        self._waiting: list[AgentProcess] = []
 
     def __enter__(self) -> "Sandbox":
         return self
@@ -261,34 +258,42 @@ class Sandbox:
     def __exit__(self, *_: object) -> None:
         self.close()
 
-    def start(self, entrant: Entrant) -> AgentProcess:
-        """Return an entrant's process for the next match: its waiting process, or a new one.
+    def start(self, spec: str) -> AgentProcess:
+        """Return a process for the agent of a spec in the next match: one that waits, or a new one.
 
         Raises:
             MatchFailedError: if the process cannot be started.
         """
-        key = entrant.name, entrant.spec
-        process = self._processes.pop(key, None) or AgentProcess(entrant.spec, self.quotas)
-        self._processes[key] = process  # last in the order: the processes that have waited longest are ended first
+        process = next((one for one in self._waiting if one.spec == spec), None)
+        if process is None:
+            process = AgentProcess(spec, self.quotas)
+        else:
+            self._waiting.remove(process)
+        self._playing.append(process)
         process.begin()
         return process
 
-    def end(self, entrant: Entrant) -> None:
-        """End an agent, and all processes that it started."""
-        if (process := self._processes.pop((entrant.name, entrant.spec), None)) is not None:
+    def end(self, process: AgentProcess) -> None:
+        """End an agent in a match, and all processes that it started."""
+        if process in self._playing:
+            self._playing.remove(process)
             process.close()
 
     def clear(self) -> None:
         """End a match; processes that can play another match wait for it."""
-        for number, (key, process) in enumerate(reversed([*self._processes.items()])):
-            if number >= _MOST_WAITING or not process.finish():
-                process.close()
-                del self._processes[key]
+        for process in [*self._playing]:
+            if process.finish():
+                self._playing.remove(process)
+                self._waiting.append(process)
+            else:
+                self.end(process)
+        while len(self._waiting) > _MOST_WAITING:
+            self._waiting.pop(0).close()
 
     def close(self) -> None:
         """End all agents, and remove the files that they wrote."""
-        while self._processes:
-            self._processes.popitem()[1].close()
+        while processes := self._playing or self._waiting:
+            processes.pop().close()
 
 
 def sandbox_for(quotas: Quotas | None) -> AbstractContextManager[Sandbox | None]:

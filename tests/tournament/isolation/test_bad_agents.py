@@ -181,7 +181,7 @@ def test_one_that_prints_nowhere_plays_on(sandbox, tmp_path, closing):
 def test_a_child_that_would_outlive_its_parent_does_not(sandbox, played):
     assert played(sandbox, "leaves_a_child", "nearest").forfeit_codes == (None, None)
     below = 2 if sandbox.quotas.isolation == "namespaces" else 0  # bubblewrap's first process, and the agent's program
-    pids = [process.pid for process in sandbox._processes.values()]
+    pids = [process.pid for process in sandbox._waiting]
     assert len(descendants(*pids)) == below * len(pids)
 
 
