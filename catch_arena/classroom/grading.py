@@ -19,8 +19,7 @@ from catch_arena.errors import AgentError, MatchFailedError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.text import last_lines
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.executors import Executor
-from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.grading import TestGrade, grade_agent, unplayed_grade
 from catch_arena.tournament.grading_spec import GradingSpec
 from catch_arena.tournament.isolation.quotas import Quotas

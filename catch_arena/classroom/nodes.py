@@ -20,8 +20,7 @@ from catch_arena.errors import BusError, ConfigError
 from catch_arena.ros.node_tests.grading import grade_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.text import last_lines, one_line, printable_lines
-from catch_arena.tournament.execution.executors import ProcessExecutor
-from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.execution.executors import ProcessExecutor, Worker
 from catch_arena.tournament.grading import TestGrade, unplayed_grade
 from catch_arena.tournament.grading_spec import GradingSpec
 from catch_arena.tournament.isolation.sandbox import Log

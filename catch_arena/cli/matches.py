@@ -30,7 +30,7 @@ from catch_arena.files import prepare_folder, require_folder
 from catch_arena.policy import Side
 from catch_arena.seeding import arena_seed
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
+from catch_arena.tournament.execution.block_queue import MAX_FORFEITS
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
@@ -103,8 +103,8 @@ def tournament(
     from catch_arena.cli.tables import plan_table
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.cost import measure_cost
+    from catch_arena.tournament.execution.executors import Worker
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
-    from catch_arena.tournament.execution.worker import Worker
     from catch_arena.tournament.plans.schedule import require_enough
     from catch_arena.tournament.plans.until_separated import UntilSeparated
     from catch_arena.tournament.standings_files import write_standings

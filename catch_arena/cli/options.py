@@ -20,8 +20,7 @@ from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
-    from catch_arena.tournament.execution.executors import Executor
-    from catch_arena.tournament.execution.worker import Worker
+    from catch_arena.tournament.execution.executors import Executor, Worker
 
 _AGENT: Final = (
     "Name of a shipped agent (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, a folder "

@@ -24,8 +24,7 @@ from catch_arena.render.match_info import agent_color
 from catch_arena.replay import Replay
 from catch_arena.report.charts import Axis
 from catch_arena.text import last_lines, without_folders, without_source
-from catch_arena.tournament.agent_logs import log_file
-from catch_arena.tournament.execution.runner import LOGS, REPLAYS
+from catch_arena.tournament.execution.runner import LOGS, REPLAYS, log_file
 
 _PAGE: Final = "catch_arena.league"
 _CURVES: Final = 8

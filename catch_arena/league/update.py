@@ -20,13 +20,11 @@ from catch_arena.league.moments import Part, matches_kept, parts_of_entrants
 from catch_arena.league.store import LeagueStore, RatingThen, Version
 from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness
-from catch_arena.tournament.agent_logs import log_file
 from catch_arena.tournament.agent_spec import is_shipped, resolve
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.executors import Executor, local_executor
-from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
-from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_and_store
-from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.execution.block_queue import ForfeitStreaks
+from catch_arena.tournament.execution.executors import Executor, Worker, local_executor
+from catch_arena.tournament.execution.runner import LOGS, REPLAYS, log_file, play_and_store
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties

@@ -10,11 +10,10 @@ from catch_arena.errors import StoreError
 from catch_arena.files import prepare_folder
 from catch_arena.suite.contents import Suite, SuiteScenario
 from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.execution.block_queue import MAX_FORFEITS
 from catch_arena.tournament.execution.cost import measure_cost
-from catch_arena.tournament.execution.executors import local_executor
-from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
+from catch_arena.tournament.execution.executors import Worker, local_executor
 from catch_arena.tournament.execution.runner import play_plan
-from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import PlayedMatch

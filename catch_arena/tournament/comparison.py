@@ -10,10 +10,8 @@ import numpy as np
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.execution.block_queue import play_blocks
-from catch_arena.tournament.execution.executors import local_executor
-from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS, ForfeitStreaks
-from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.tournament.execution.block_queue import MAX_FORFEITS, ForfeitStreaks, play_blocks
+from catch_arena.tournament.execution.executors import RecordedMatch, Worker, local_executor
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import Match, PlayedMatch
 from catch_arena.tournament.parties import Parties

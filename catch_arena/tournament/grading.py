@@ -14,7 +14,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView, Side, View, player_limits
 from catch_arena.text import last_lines, printable, printable_lines
 from catch_arena.tournament.entrants import Entrant, Inspection, enter
-from catch_arena.tournament.execution.forfeit_streaks import MAX_FORFEITS
+from catch_arena.tournament.execution.block_queue import MAX_FORFEITS
 from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import NOT_INSTALLED

@@ -26,8 +26,7 @@ from catch_arena.classroom.submissions import find_submissions
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.scenarios import scenario
-from catch_arena.tournament.execution.executors import Executor
-from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.match import Forfeit, MatchResult
 from catch_arena.tournament.parties import Parties
 

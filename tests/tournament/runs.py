@@ -7,9 +7,8 @@ from tempfile import TemporaryDirectory
 
 from catch_arena.config import ArenaConfig
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.execution.executors import local_executor
+from catch_arena.tournament.execution.executors import Worker, local_executor
 from catch_arena.tournament.execution.runner import play_plan
-from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.plans.schedule import Plan

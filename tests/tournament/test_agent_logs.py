@@ -5,8 +5,8 @@ from tournament.played_matches import made_up
 
 from catch_arena.errors import OutputError
 from catch_arena.scenarios import scenario
-from catch_arena.tournament.agent_logs import MOST_BYTES, add_to_logs
 from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.execution.runner import MOST_BYTES, add_to_logs
 from catch_arena.tournament.match import Forfeit
 from catch_arena.tournament.parties import Parties
 

@@ -12,9 +12,8 @@ from catch_arena.errors import StoreError
 from catch_arena.report import watch, write_report
 from catch_arena.report.watch import LiveReport
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import Executor
+from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.execution.runner import play_plan
-from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import export
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.outcomes import SideResults

@@ -13,10 +13,9 @@ from tournament.seats import hunters
 from catch_arena import scenario
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import Executor
+from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.execution.ray_executor import RayExecutor
 from catch_arena.tournament.execution.runner import play_plan
-from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import columns, export
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret

@@ -5,17 +5,15 @@ after its start.
 """
 
 import time
-from collections import deque
+from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from typing import Final
 
 from catch_arena.errors import MatchFailedError
-from catch_arena.tournament.execution.executors import Executor
-from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
-from catch_arena.tournament.execution.worker import RecordedMatch
-from catch_arena.tournament.match import Block, Fault
+from catch_arena.tournament.execution.executors import Executor, RecordedMatch
+from catch_arena.tournament.match import Block, Fault, PlayedMatch
 
 _MOST_TRIES: Final = 3
 """Number of tries of a block that fails on our side."""
@@ -23,6 +21,52 @@ _PAUSE_S: Final = 1.0
 """Pause before failed blocks are begun again [s]."""
 _MOST_HELD: Final = 256
 """Largest number of played blocks that wait in memory for an earlier block."""
+MAX_FORFEITS: Final = 10
+"""Usual number of forfeits in a row that exclude an agent."""
+
+
+class ForfeitStreaks:
+    """Number of matches that each entrant has forfeited in a row: too many of them exclude it from further matches.
+
+    Forfeits are counted in the order of the plan, whatever order the matches were played in. They are checked at the
+    end of a block, so that all matches of a block have the same field.
+
+    Args:
+        most: number of forfeits in a row that exclude an entrant; 0 for no limit.
+    """
+
+    def __init__(self, most: int) -> None:
+        self._most = most
+        self._forfeited: Counter[int] = Counter()
+        self._excluded: dict[int, Fault] = {}
+
+    def add(self, block: Iterable[PlayedMatch]) -> bool:
+        """Count the forfeits of the next block of the plan.
+
+        Returns:
+            True if the block excludes an entrant.
+        """
+        before = len(self._excluded)
+        for one in block:
+            for index, forfeit in zip(one.match.seating, one.result.forfeits, strict=True):
+                if forfeit is None:
+                    self._forfeited[index] = 0
+                    continue
+                self._forfeited[index] += 1
+                if self._forfeited[index] == self._most:
+                    why = Fault("FORFEIT_OUT", f"it had forfeited {self._most} matches in a row")
+                    self._excluded.setdefault(index, why)
+        return len(self._excluded) > before
+
+    @property
+    def excluded(self) -> Mapping[int, Fault]:
+        """All excluded entrants, by index, with the reason."""
+        return self._excluded
+
+    def excluded_from(self, block: Block) -> Mapping[int, Fault]:
+        """Return the excluded entrants of a block, by index, with the reason, after the blocks that were added."""
+        players = {index for match in block for index in match.seating}
+        return {index: why for index, why in self._excluded.items() if index in players}
 
 
 @dataclass(slots=True)

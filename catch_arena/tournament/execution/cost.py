@@ -9,8 +9,7 @@ from typing import Final
 
 from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.agent_spec import is_shipped
-from catch_arena.tournament.execution.executors import Executor, ProcessExecutor
-from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.execution.executors import Executor, ProcessExecutor, Worker
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.store import store_bytes

@@ -12,8 +12,7 @@ from typing import Any
 from catch_arena.engine import Engine
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, MatchFailedError, install_hint, reason
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import Executor
-from catch_arena.tournament.execution.worker import RecordedMatch, Worker
+from catch_arena.tournament.execution.executors import Executor, RecordedMatch, Worker
 from catch_arena.tournament.match import Fault, Match
 from catch_arena.tournament.players import inspector
 from catch_arena.tournament.store import versions

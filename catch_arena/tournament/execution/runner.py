@@ -1,16 +1,15 @@
-"""Runner of a plan, which stores blocks in the order of the plan; the results do not depend on the executor."""
+"""Runner of a plan: it stores blocks, replays and logs in the order of the plan, whatever executor plays them."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import count, islice
+from pathlib import Path
 from typing import Final
 
 from catch_arena.errors import StoreError
-from catch_arena.files import prepare_folder, write_whole
-from catch_arena.tournament.agent_logs import add_to_logs
-from catch_arena.tournament.execution.block_queue import play_blocks
-from catch_arena.tournament.execution.executors import Executor
-from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
-from catch_arena.tournament.execution.worker import RecordedMatch
+from catch_arena.files import prepare_folder, unwritable, write_whole
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.execution.block_queue import ForfeitStreaks, play_blocks
+from catch_arena.tournament.execution.executors import Executor, RecordedMatch
 from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan
@@ -19,6 +18,10 @@ from catch_arena.tournament.store import Store
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
 """Names of folders in the tournament's folder: REPLAYS and LOGS."""
+MOST_BYTES: Final = 4 << 20
+"""Size of an agent's log file [bytes] from which on no match is added; the last one may exceed it."""
+_LONGEST: Final = 240
+"""Largest length of a file's name [bytes], without its ending."""
 
 
 def play_plan(
@@ -97,3 +100,31 @@ def play_and_store(
         on_results(played)
 
     play_blocks(blocks, executor, streaks, store_block)
+
+
+def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one: PlayedMatch) -> None:
+    """Add the output and the fault of each party of a match to its log; the folder is made when it is needed.
+
+    Raises:
+        OutputError: if a log cannot be written.
+    """
+    for party, index in enumerate(one.match.seating):
+        forfeit, printed = one.result.forfeits[party], one.result.logs[party]
+        if forfeit is None and not printed:
+            continue
+        why = f": {forfeit}" if forfeit is not None else ""
+        text = f"== match {one.match.id}, {parties.called(party)}{why}\n{printed}".removesuffix("\n")
+        path = log_file(folder, entrants[index].name)
+        try:
+            path.parent.mkdir(parents=True, exist_ok=True)
+            with path.open("ab") as file:
+                if file.tell() < MOST_BYTES:
+                    file.write(f"{text}\n".encode())
+        except OSError as error:
+            raise unwritable(path, error, len(text)) from None
+
+
+def log_file(folder: Path, name: str) -> Path:
+    """Return the log file of an entrant."""
+    *folders, last = name.split("/")  # a name may be ann/agent
+    return Path(folder, *folders, f"{last.encode()[:_LONGEST].decode(errors='ignore')}.log")

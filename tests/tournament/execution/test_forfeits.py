@@ -17,9 +17,9 @@ from catch_arena import scenario
 from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution import block_queue
-from catch_arena.tournament.execution.forfeit_streaks import ForfeitStreaks
+from catch_arena.tournament.execution.block_queue import ForfeitStreaks
+from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.execution.runner import play_plan
-from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.match import Fault, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.ranks import ranks_of

@@ -109,7 +109,7 @@ from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import local_executor
 from catch_arena.tournament.execution.runner import play_plan
-from catch_arena.tournament.execution.worker import Worker
+from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin

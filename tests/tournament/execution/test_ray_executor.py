@@ -12,8 +12,8 @@ from tournament.agents import dies_once
 from catch_arena import scenario
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.execution.ray_executor import require_same
-from catch_arena.tournament.execution.worker import Worker
 from catch_arena.tournament.export import export
 from catch_arena.tournament.store import Store, versions
 
