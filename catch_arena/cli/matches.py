@@ -105,8 +105,7 @@ def tournament(
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.executors import Worker
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
-    from catch_arena.tournament.plans.schedule import require_enough
-    from catch_arena.tournament.plans.until_separated import UntilSeparated
+    from catch_arena.tournament.plans.schedule import UntilSeparated, require_enough
     from catch_arena.tournament.standings_files import write_standings
     from catch_arena.tournament.statistics.standings import standings_of_sides
 
@@ -169,8 +168,7 @@ def _plan(
     Raises:
         ConfigError: if even a sample has more matches in a round than --max-matches allows.
     """
-    from catch_arena.tournament.plans.schedule import MOST_IN_A_ROUND, plan_of
-    from catch_arena.tournament.plans.until_separated import BUDGET, UntilSeparated
+    from catch_arena.tournament.plans.schedule import BUDGET, MOST_IN_A_ROUND, UntilSeparated, plan_of
 
     most = max_matches or (MOST_IN_A_ROUND if until_separated is None else BUDGET)
 

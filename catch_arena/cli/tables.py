@@ -15,8 +15,7 @@ from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.execution.cost import Cost, match_counts
 from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.plans.schedule import Plan
-from catch_arena.tournament.plans.until_separated import UntilSeparated
+from catch_arena.tournament.plans.schedule import Plan, UntilSeparated
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
 

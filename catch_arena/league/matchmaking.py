@@ -12,9 +12,8 @@ import numpy as np
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.intervals import Estimate
-from catch_arena.tournament.statistics.outcomes import Outcomes
+from catch_arena.tournament.statistics.outcomes import Outcomes, on_side
 from catch_arena.tournament.statistics.ratings import ELO, local_estimates
-from catch_arena.tournament.statistics.sides import on_side
 
 NEAREST: Final = 32
 """Number of entrants with the nearest ratings among which opponents are chosen."""

@@ -18,7 +18,7 @@ from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import Estimate, shares
-from catch_arena.tournament.statistics.sides import SideMatch, on_side
+from catch_arena.tournament.statistics.outcomes import SideMatch, on_side
 from catch_arena.tournament.statistics.sprt import Decision, Sprt
 
 _A, _B, _FIELD = range(3)

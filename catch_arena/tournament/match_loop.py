@@ -16,10 +16,9 @@ from catch_arena.policy import Policy, PreyPolicy, player_limits
 from catch_arena.text import one_line, printable_lines
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import Fault, Forfeit, MatchResult, MoveTimes, Observation
+from catch_arena.tournament.match import Fault, Forfeit, MatchResult, MoveTimes, Observation, ranks_of_sides
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Players
-from catch_arena.tournament.ranks import ranks_of_sides
 from catch_arena.tournament.secret import agent_seed
 from catch_arena.verdicts import NO_REQUEST, Verdict
 

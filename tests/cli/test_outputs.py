@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from command_line import run
 
-from catch_arena.tournament.isolation import playing
+from catch_arena.tournament import match_loop
 
 pytestmark = pytest.mark.usefixtures("catch_arena")  # in a folder of its own
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
@@ -179,7 +179,7 @@ def test_an_interrupted_command_leaves_no_name_reserved(tmp_path, monkeypatch):
         assert Path("m.replay").exists()
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(playing, "play_entrants", interrupted)
+    monkeypatch.setattr(match_loop, "play_entrants", interrupted)
     run("match", "nearest", "idle", *QUICK, "-o", "m.replay")
     assert not list(tmp_path.iterdir())
 

@@ -9,9 +9,8 @@ from tournament.seats import hunters
 from catch_arena.config import ArenaConfig
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch
+from catch_arena.tournament.match import Forfeit, MatchResult, MoveTimes, PlayedMatch, ranks_of
 from catch_arena.tournament.plans.schedule import round_robin
-from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import Store, Tournament
 

@@ -7,7 +7,7 @@ import pytest
 from rulebook.conftest import ArenaFactory
 
 from catch_arena.config import RewardWeights
-from catch_arena.tournament.ranks import ranks_of
+from catch_arena.tournament.match import ranks_of
 from catch_arena.verdicts import Verdict
 
 CATCH, RIVAL_CATCH, LOST_CONTEST, REJECTED, PROGRESS, TIME = range(6)

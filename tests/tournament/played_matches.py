@@ -2,8 +2,7 @@
 
 from typing import Any
 
-from catch_arena.tournament.match import Forfeit, Match, MatchResult, PlayedMatch
-from catch_arena.tournament.ranks import ranks_of
+from catch_arena.tournament.match import Forfeit, Match, MatchResult, PlayedMatch, ranks_of
 
 
 def made_up(block: int, seating: tuple[int, ...], scores: tuple[int, ...], turn: int = 0, **parts: Any) -> PlayedMatch:

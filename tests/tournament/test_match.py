@@ -6,8 +6,8 @@ from tournament.played_matches import made_up
 from catch_arena import Replay, scenario
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.match import ranks_of
 from catch_arena.tournament.match_loop import play_match
-from catch_arena.tournament.ranks import ranks_of
 
 SHORT = scenario("duel", time_limit_s=10)
 

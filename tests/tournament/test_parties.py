@@ -14,12 +14,12 @@ from catch_arena.policy import PreyView
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.match import ranks_of_sides
 from catch_arena.tournament.match_loop import play_entrants, play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
 from catch_arena.tournament.players import inspector
-from catch_arena.tournament.ranks import ranks_of_sides
-from catch_arena.tournament.statistics.sides import on_side
+from catch_arena.tournament.statistics.outcomes import on_side
 
 PAIRS = scenario("pairs", time_limit_s=8)
 TAG = scenario("tag", time_limit_s=8)

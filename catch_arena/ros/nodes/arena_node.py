@@ -29,7 +29,7 @@ from catch_arena.ros.nodes.agents import AgentSeats
 from catch_arena.ros.nodes.neighbours import Neighbours, remapping_to, run_line
 from catch_arena.ros.nodes.seats import RosSeat
 from catch_arena.service import ArenaService
-from catch_arena.tournament.ranks import ranks_of
+from catch_arena.tournament.match import ranks_of
 from catch_arena.world import World
 
 _SECOND: Final = 1000 // TICK_MS

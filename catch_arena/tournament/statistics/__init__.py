@@ -1,6 +1,6 @@
 """Figures about the entrants with their uncertainty, from the results of matches (docs/explanation/ratings.md).
 
-- sides: the matches of hunters and of prey separately. outcomes: these as arrays, and all results of a side.
+- outcomes: the matches of hunters and of prey separately, as arrays.
 - standings: the table. ratings: the strength of each entrant. head_to_head: each entrant against each other.
 - separation: pairs with a significant difference. sprt: a test of two agents that ends as early as possible.
 - intervals: confidence intervals, with tail_probabilities. aggregates: one figure over many scenarios.

@@ -20,9 +20,8 @@ from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.block_queue import ForfeitStreaks
 from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.execution.runner import play_plan
-from catch_arena.tournament.match import Fault, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch
+from catch_arena.tournament.match import Fault, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch, ranks_of
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
-from catch_arena.tournament.ranks import ranks_of
 from catch_arena.tournament.store import Tournament
 
 SEATS = 3

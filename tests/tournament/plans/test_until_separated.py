@@ -7,8 +7,7 @@ from tournament.seats import hunters
 from catch_arena import scenario
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.plans.schedule import round_robin
-from catch_arena.tournament.plans.until_separated import UntilSeparated
+from catch_arena.tournament.plans.schedule import UntilSeparated, round_robin
 
 SHORT = scenario("duel", time_limit_s=4)
 CLEAR = enter(["nearest", "random", "idle"])
