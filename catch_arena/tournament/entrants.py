@@ -12,7 +12,7 @@ from catch_arena.errors import AgentError
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.text import last_lines, name_fault, one_line
 from catch_arena.tournament.agent_spec import command_of, file_of, resolve, shipped_spec, unique_names
-from catch_arena.tournament.loading import create_policy, has_prey, missing_module, sources_of
+from catch_arena.tournament.loading import create_policy, has_prey, sources_of
 
 SHIPPED_PREY: Final = "flee"
 """The agent that plays prey for agents that do not."""
@@ -122,8 +122,6 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
             )
         if (wrong := name_fault(name)) is not None:
             raise AgentError(f"{one.spec!a}: {wrong}; give the file another name")
-        if (wrong := missing_module(one.spec)) is not None:
-            raise AgentError(f"{one.spec}: {wrong}")
         found = inspect(one.spec)
         digest = one.digest(found.sources)
         fault = None if found.fault is None else one_line(found.fault)

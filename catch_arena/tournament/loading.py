@@ -5,10 +5,9 @@ import importlib
 import importlib.util
 import os
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from functools import cache
-from inspect import signature
 from pathlib import Path
 from types import ModuleType
 from typing import Final
@@ -52,13 +51,9 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
         policy: Policy | PreyPolicy = found()
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         raise AgentError(f"{spec}: {found.__name__}() raised {reason(error)}") from error
-    for method, argument in (("reset", "seed"), ("act", "view")):
+    for method in ("reset", "act"):
         if not callable(getattr(policy, method, None)):
             raise AgentError(f"{spec}: {found.__name__} must have a method {method}")
-        if not _takes_one_argument(getattr(policy, method)):
-            raise AgentError(
-                f"{spec}: {found.__name__}.{method} must take one argument: def {method}(self, {argument})"
-            )
     control = getattr(policy, "control", None)
     if side == "prey":
         if control not in {None, "velocity"}:
@@ -128,20 +123,6 @@ def module_folders() -> list[str]:
     return [str(Path(entry).absolute()) for entry in sys.path[here:] if entry]
 
 
-def missing_module(spec: str) -> str | None:
-    """Return an error text for `module:Class` if a file of the working folder has the name of that module, and no such
-    module is installed; None for all other specs.
-    """
-    module = spec.partition(":")[0]
-    file = Path(f"{module.replace('.', os.sep)}.py")
-    if spec.startswith(COMMAND) or file_of(spec) is not None or not file.is_file():
-        return None
-    with _process_restored():
-        if importlib.util.find_spec(module.partition(".")[0]) is not None:
-            return None
-    return f"no module {module} is installed; a file is given as {file}"
-
-
 def load_module(name: str) -> ModuleType:
     """Return the installed module with a dotted name.
 
@@ -181,16 +162,6 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
         why = fault or _why_not_imported(error, path.stem, path.parent if folder is None else None)
         raise AgentError(f"{path}: {why}") from error
     return module
-
-
-def _takes_one_argument(method: Callable[..., object]) -> bool:
-    try:
-        signature(method).bind(None)
-    except TypeError:
-        return False
-    except ValueError:  # some callables have no signature
-        return True
-    return True
 
 
 @contextmanager
@@ -233,13 +204,10 @@ def _modules_of(folder: Path) -> Iterator[None]:
 def _why_not_imported(error: BaseException, module: str, folder: Path | None = None) -> str:
     """Return an import's error in words; `folder` holds an agent's single file, and is None for other agents."""
     missing = error.name if isinstance(error, ModuleNotFoundError) else None
-    if missing is None or module == missing or module.startswith(f"{missing}."):
+    if missing is None:
         return f"importing it raised {reason(error)}"
+    if module == missing or module.startswith(f"{missing}."):
+        return f"no module {missing} is installed; a file is given with its ending, as {missing}.py"
     top = missing.partition(".")[0]
-    if folder is not None and ((folder / f"{top}.py").is_file() or (folder / top).is_dir()):
-        return (
-            f"it imports {missing}, which is next to it: an agent of several files is a folder with {IN_FOLDER}, "
-            "and is given as that folder (`catch-arena docs agents`)"
-        )
     own = "" if folder is None else f"; if {top} is a file of yours, give a folder with {IN_FOLDER} and {top}.py"
     return f"it imports {missing}, {NOT_INSTALLED}{own}"
