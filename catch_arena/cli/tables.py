@@ -68,7 +68,7 @@ def plan_table(plan: Plan, worker: Worker, cost: Cost | None, jobs: int, max_for
         shown.add_row("an agent plays", f"{_number_range(*played)} matches")
         shown.add_row("a pair meets in", f"{_number_range(*met)} matches")
     if cost is not None:
-        _add_cost(shown, plan.size, cost, jobs, max_forfeits)
+        _add_cost(shown, plan.size, cost, jobs)
     _add_delays(shown, worker, most_matches, max_forfeits)
     return shown
 
@@ -90,18 +90,13 @@ def _add_delays(shown: Table, worker: Worker, matches: int, max_forfeits: int) -
     shown.add_row("a slow agent", f"up to {once} per match: {duration(all_s)} for {matches}, no forfeit")
 
 
-def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int, max_forfeits: int) -> None:
+def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int) -> None:
     alone_s = matches * cost.seconds
     shared = f"{duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
-    leaves = f"; after {max_forfeits} in a row it is excluded" if max_forfeits else ""
-    less = bool(cost.forfeits and leaves)  # matches without excluded entrants are shorter
-    shown.add_row("time", f"{'at most' if less else 'about'} {shared}{duration(alone_s)} with one process")
+    shown.add_row("time", f"about {shared}{duration(alone_s)} with one process")
     shown.add_row("store", f"about {decimal(matches * cost.stored)}")
     if cost.replay:
         shown.add_row("replays", f"about {decimal(matches * cost.replay)}")
-    shown.add_row("measured on", f"{cost.tried} matches, which are not kept")
-    for name, forfeit in cost.forfeits.items():
-        shown.add_row("", f"{name} forfeited there: {forfeit}{leaves}")
 
 
 def _number_range(low: int, high: int) -> str:

@@ -2,7 +2,7 @@
 
 import time
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
@@ -28,10 +28,6 @@ class Cost:
     """Size in the store [bytes]."""
     replay: int
     """Size of the replay [bytes]; 0 if none is made."""
-    tried: int
-    """Number of matches that were played for this estimate, and not kept."""
-    forfeits: Mapping[str, str]
-    """First forfeit of each entrant that failed in these matches, by name; `seconds` includes the failed matches."""
 
 
 def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
@@ -41,7 +37,6 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
     """
     block = next(iter(plan.stage(0, ())))
     seconds, sizes = 0.0, []
-    forfeits: dict[str, str] = {}
     foreign = worker.quotas is None and not all(is_shipped(entrant.spec) for entrant in worker.entrants)
     # a trusted agent may end the process that it plays in
     with ProcessExecutor(worker, 1) if foreign else Executor(worker) as executor:
@@ -49,18 +44,15 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
             executor.result(executor.submit(block[:1], {}))  # the first one loads and compiles
             for match in block:
                 begin = time.perf_counter()
-                ((played, replay),) = executor.result(executor.submit([match], {}))
+                ((_, replay),) = executor.result(executor.submit([match], {}))
                 seconds += time.perf_counter() - begin
                 sizes.append(len(replay))
-                for index, forfeit in zip(match.seating, played.result.forfeits, strict=True):
-                    if forfeit is not None:
-                        forfeits.setdefault(worker.entrants[index].name, str(forfeit))
                 if seconds > _SAMPLE_S:
                     break
         except MatchFailedError:
             return None
     tried = len(sizes)
-    return Cost(seconds / tried, store_bytes(len(Parties.of(worker.config))), sum(sizes) // tried, tried, forfeits)
+    return Cost(seconds / tried, store_bytes(len(Parties.of(worker.config))), sum(sizes) // tried)
 
 
 def match_counts(
