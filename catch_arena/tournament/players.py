@@ -24,8 +24,6 @@ _POLL_S: Final = 0.1
 """Longest single wait [s], so that this process notices if it stood still itself."""
 _STALL_S: Final = 1.0
 """Stall of this process [s] from which on no agent is blamed for being late."""
-_FIRST_WAIT_S: Final = 0.05
-"""Time within which most agents have answered, so that `while_waiting` need not be called [s]."""
 _WAIT_S: Final = 1.0 / 60.0
 """Time between two calls of `while_waiting` [s]."""
 
@@ -219,7 +217,7 @@ class Players:
         poll = select.poll()
         late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._limit_name(doing)}", late=True)
         now = time.monotonic()
-        call_at = math.inf if while_waiting is None else now + _FIRST_WAIT_S
+        call_at = math.inf if while_waiting is None else now + _WAIT_S
         waited_s = 0.0  # time in `while_waiting`, which `now` does not count
         for seat, line in lines.items():
             process = self._processes[seat]

@@ -19,8 +19,6 @@ _MOST_TRIES: Final = 3
 """Number of tries of a block that fails on our side."""
 _PAUSE_S: Final = 1.0
 """Pause before failed blocks are begun again [s]."""
-_MOST_HELD: Final = 256
-"""Largest number of played blocks that wait in memory for an earlier block."""
 MAX_FORFEITS: Final = 10
 """Usual number of forfeits in a row that exclude an agent."""
 
@@ -122,11 +120,7 @@ def play_blocks(
     waiting = iter(blocks)
     block = next(waiting, None)
     while block is not None or queue:
-        while (
-            block is not None
-            and sum(one.matches is None for one in queue) < executor.max_pending
-            and len(queue) < executor.max_pending + _MOST_HELD
-        ):
+        while block is not None and sum(one.matches is None for one in queue) < executor.max_pending:
             queue.append(one := _QueuedBlock(block))
             begin(one)
             block = next(waiting, None)
