@@ -89,7 +89,7 @@ def test_the_same_failure_in_another_scenario_is_told_in_one_line(check):
     [
         (HEAD + "print('look', view.score)\n        return 0\n", "prints, which goes to its log: 'look 0.0'"),
         (f"import time\n{HEAD}time.sleep(0.03)\n        return 0\n", "is too slow: "),
-        (f"import os\n{HEAD}return os.urandom(1)[0] % 2\n", "plays another match from step "),
+        (f"import os\n{HEAD}return os.urandom(1)[0] % 2\n", "plays another match, given the same seed: "),
         (HEAD + "return 8\n", "requests were MALFORMED: the requested name cannot be a target's name (R5.2)"),
     ],
 )
