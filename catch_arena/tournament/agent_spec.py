@@ -12,7 +12,6 @@ import shutil
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
-from stat import S_ISREG
 from typing import Final, NamedTuple
 
 from catch_arena import agents
@@ -149,11 +148,12 @@ def unique_names(found: Sequence[AgentSpec]) -> list[str]:
 
 def content_of(source: str) -> bytes | None:
     """Return the content of a file that an agent names as its own; None if it is no regular file or unreadable."""
+    if not Path(source).is_file():  # to open a pipe without a writer would block
+        return None
     try:
-        # a pipe without a writer must not block
-        with os.fdopen(os.open(source, os.O_RDONLY | os.O_NONBLOCK), "rb") as file:
-            return file.read(_LARGEST_SOURCE) if S_ISREG(os.fstat(file.fileno()).st_mode) else None
-    except (OSError, ValueError):
+        with Path(source).open("rb") as file:
+            return file.read(_LARGEST_SOURCE)
+    except OSError:
         return None
 
 
