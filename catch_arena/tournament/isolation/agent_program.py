@@ -29,7 +29,6 @@ import msgspec
 
 from catch_arena.errors import AgentError, reason
 from catch_arena.interrupts import LINUX
-from catch_arena.policy import Policy, PreyPolicy
 from catch_arena.tournament import loading
 from catch_arena.tournament.agent_spec import command_of, folder_of
 from catch_arena.tournament.isolation import protocol
@@ -116,47 +115,34 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
         os.write(out, protocol.line(ended=code))
 
 
-def run_policy(policy: Policy | PreyPolicy, into: int, out: int, facts: Mapping[str, Any]) -> None:
-    """Speak the protocol for a Python class; an error that it raises is sent in one line, and its traceback printed.
-
-    Args:
-        policy: instance for this match, made after its hello.
-        into: descriptor of the lines for it.
-        out: descriptor for its answers.
-        facts: further facts for the greeting, besides the control.
-    """
+def _serve_match(spec: str, into: int, out: int) -> NoReturn:
+    """Speak the protocol in one match; an error of the agent is sent in one line, and its traceback printed."""
+    # an END is still in the pipe if the last match's process ended before it read it
+    hello = _read_line(into).removeprefix(protocol.END) or _read_line(into)
+    try:
+        policy = create_policy(spec, json.loads(hello)["side"])
+    except AgentError as error:
+        _report(error, out)
+        os._exit(_ERROR_SENT)
     doing = "init"
     try:
-        _send(out, protocol.line(control=getattr(policy, "control", "target"), **facts))
-        if (line := _read_line(into)) in _END_LINES:
-            return
-        doing = "reset"
-        message = json.loads(line)["reset"]
-        limits = protocol.limits_in(message)
-        policy.reset(message["seed"])
-        _send(out, protocol.line(ready=True))
-        doing = "act"
-        while (line := _read_line(into)) not in _END_LINES:
-            seen = msgspec.json.decode(line)
-            action = policy.act(limits.view(seen["view"], seen["mask"]))  # type: ignore[arg-type]  # its limits are of its side
-            _send(out, b'{"action":%d}\n' % action if type(action) is int else protocol.action_line(action))
+        control = getattr(policy, "control", "target")
+        _send(out, protocol.line(control=control, sources=sources_of(spec), prey=has_prey(spec)))
+        if (line := _read_line(into)) not in _END_LINES:
+            doing = "reset"
+            message = json.loads(line)["reset"]
+            limits = protocol.limits_in(message)
+            policy.reset(message["seed"])
+            _send(out, protocol.line(ready=True))
+            doing = "act"
+            while (line := _read_line(into)) not in _END_LINES:
+                seen = msgspec.json.decode(line)
+                action = policy.act(limits.view(seen["view"], seen["mask"]))  # type: ignore[arg-type]  # its limits are of its side
+                _send(out, protocol.action_line(action))
     except BaseException as error:  # noqa: BLE001 - a stranger's code may raise anything
         _print(error)
         _send(out, protocol.line(error=f"{doing} raised {reason(error)}"))
         os._exit(_ERROR_SENT)
-
-
-def _serve_match(spec: str, into: int, out: int) -> NoReturn:
-    """Serve one match in its own process."""
-    # an END is still in the pipe if the last match's process ended before it read it
-    hello = _read_line(into).removeprefix(protocol.END) or _read_line(into)
-    side = json.loads(hello)["side"]
-    try:
-        policy = create_policy(spec, side)
-    except AgentError as error:
-        _report(error, out)
-        os._exit(_ERROR_SENT)
-    run_policy(policy, into, out, {"sources": sources_of(spec), "prey": has_prey(spec)})
     _flush()
     os._exit(0)
 
