@@ -8,7 +8,6 @@ from typing import Final
 from rich.filesize import decimal
 from rich.table import Table
 
-from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.terminal import plain_table
 from catch_arena.policy import Side
 from catch_arena.tournament.agent_spec import is_shipped
@@ -62,8 +61,7 @@ def plan_table(plan: Plan, worker: Worker, cost: Cost | None, jobs: int, max_for
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
     most_matches = plan.size
     if not isinstance(plan, UntilSeparated):
-        with progress_bar("planning") as show:
-            played, met = match_counts(plan, len(worker.entrants), show)
+        played, met = match_counts(plan, len(worker.entrants))
         most_matches = played[1]
         shown.add_row("an agent plays", f"{_number_range(*played)} matches")
         shown.add_row("a pair meets in", f"{_number_range(*met)} matches")

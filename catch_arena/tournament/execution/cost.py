@@ -2,7 +2,6 @@
 
 import time
 from collections import Counter
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import combinations
 from typing import Final
@@ -55,20 +54,13 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
     return Cost(seconds / tried, store_bytes(len(Parties.of(worker.config))), sum(sizes) // tried)
 
 
-def match_counts(
-    plan: Plan, entrants: int, progress: Callable[[int, int], None] = lambda *_: None
-) -> tuple[tuple[int, int], tuple[int, int]]:
+def match_counts(plan: Plan, entrants: int) -> tuple[tuple[int, int], tuple[int, int]]:
     """Return (least, most) of the matches of an entrant, and (least, most) of the common matches of a pair."""
-    played = [0] * entrants
+    played: Counter[int] = Counter()
     met: Counter[tuple[int, ...]] = Counter()
-    counted = 0
-    for block in plan.blocks():
-        counted += len(block)
-        progress(counted, plan.size)
-        for match in block:
-            group = sorted(match.seating)
-            for one in group:
-                played[one] += 1
-            met.update(combinations(group, 2))
+    for match in plan:
+        played.update(match.seating)
+        met.update(combinations(sorted(match.seating), 2))
+    each = [played[one] for one in range(entrants)]
     together = [met[pair] for pair in combinations(range(entrants), 2)] or [0]
-    return (min(played), max(played)), (min(together), max(together))
+    return (min(each), max(each)), (min(together), max(together))
