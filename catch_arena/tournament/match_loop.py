@@ -61,7 +61,9 @@ def play_entrants(
     playing = in_parties(config, entrants)
     seated = [playing[party] for party in parties.by_seat]
     absent = {seat: absent[party] for seat, party in enumerate(parties.by_seat) if party in absent}
-    seeds = [_instance_seed(agent_seeds[party], number) for party, number in parties.places] if agent_seeds else []
+    seeds = []
+    if agent_seeds:  # those of a party's further instances follow from the party's
+        seeds = [agent_seed(agent_seeds[party], n) if n else agent_seeds[party] for party, n in parties.places]
     with Players(seated, sandbox, absent) as players:
         return play_match(config, seed, players, [one.name for one in seated], agent_seeds=seeds, **options)
 
@@ -136,11 +138,6 @@ def in_parties(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant
     """Return the player of each party: its entrant, or the entrant that plays prey for it."""
     parties = Parties.of(config)
     return [entrant.on(parties.side_of(party)) for party, entrant in enumerate(entrants)]
-
-
-def _instance_seed(seed: int, number: int) -> int:
-    """Return the seed of a party's instance: the party's seed for the first, and seeds derived from it for others."""
-    return agent_seed(seed, number) if number else seed
 
 
 @dataclass(slots=True, eq=False)

@@ -5,6 +5,7 @@ import math
 import select
 import time
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import AbstractContextManager
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any, Final, NamedTuple, get_args
@@ -38,7 +39,7 @@ class _Reply(NamedTuple):
     fault: Fault | None = None
 
 
-class Players:
+class Players(AbstractContextManager["Players"]):
     """Players of one match. Use it as a context manager if there is a sandbox: its exit ends the match's processes.
 
     A seat that had a fault is not asked again. Instances, agents that come with the package, and all agents if there
@@ -86,9 +87,6 @@ class Players:
         self._processes: dict[int, AgentProcess] = {}
         self._quotas = Quotas() if sandbox is None else sandbox.quotas
         self._bank_s = dict.fromkeys(self._isolated, self._quotas.bank_s)
-
-    def __enter__(self) -> "Players":
-        return self
 
     def __exit__(self, error: object, *_: object) -> None:
         if self._sandbox is not None and self._isolated:

@@ -164,7 +164,14 @@ class Store:
     def tournament(self) -> Tournament:
         """Tournament whose matches the store holds."""
         with self._store_errors():
-            return self._tournament()
+            facts = self._db.execute("SELECT name, value FROM fact").fetchall()
+        try:
+            values: dict[str, Any] = {name: msgspec.json.decode(text) for name, text in facts}
+            config: Any = values.get("config")
+            values["config"] = ArenaConfig.from_dict(config)  # integers stay integers
+            return msgspec.convert(values, Tournament)
+        except _INVALID as error:
+            raise self._damaged(f"table fact: {error}") from None
 
     @property
     def ended(self) -> bool:
@@ -277,16 +284,6 @@ class Store:
         if found != "ok":
             raise self._damaged(found)
         return True
-
-    def _tournament(self) -> Tournament:
-        facts = self._db.execute("SELECT name, value FROM fact").fetchall()
-        try:
-            values: dict[str, Any] = {name: msgspec.json.decode(text) for name, text in facts}
-            config: Any = values.get("config")
-            values["config"] = ArenaConfig.from_dict(config)  # integers stay integers
-            return msgspec.convert(values, Tournament)
-        except _INVALID as error:
-            raise self._damaged(f"table fact: {error}") from None
 
     def _planned(self) -> int:
         """Return the number of planned matches; 0 if none is written."""

@@ -14,9 +14,7 @@ from pathlib import Path
 PATIENCE_S = 240.0
 """What takes longer hangs."""
 _PLAN = "plan|matches|an agent plays|a pair meets in|time|store|replays|an agent that hangs|a slow agent"
-PROGRESS = re.compile(
-    rf"^((playing|loading agents|isolation): .+\n|({_PLAN})  +.+\n( {{10,}}.+\n)*)", re.MULTILINE
-)
+PROGRESS = re.compile(rf"^((playing|loading agents|isolation): .+\n|({_PLAN})  +.+\n( {{10,}}.+\n)*)", re.MULTILINE)
 """What a command prints on stderr before and while it plays: the level of isolation, the plan, and how far it is."""
 LINE = re.compile(
     r"catch-arena: interrupted(: (?P<kept>\d+) of \d+ matches are kept in o; the same command with --resume goes on)?\n"

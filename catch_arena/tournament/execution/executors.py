@@ -10,7 +10,7 @@ import signal
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from io import BytesIO
@@ -92,7 +92,7 @@ def _sandbox(quotas: Quotas) -> Sandbox:
     return Sandbox(quotas)
 
 
-class Executor:
+class Executor(AbstractContextManager["Executor"]):
     """Executor of one block after the other, in this process; its subclasses play several in parallel.
 
     Use it as a context manager: its exit ends all processes.
@@ -129,9 +129,6 @@ class Executor:
     def close(self) -> None:
         """End all processes, also while they play."""
         self.worker.close()
-
-    def __enter__(self) -> "Executor":
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()

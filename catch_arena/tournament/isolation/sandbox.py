@@ -197,9 +197,13 @@ class AgentProcess:
         """End the current match, and return whether the process can play another one."""
         if not self._serves_many_matches or not self.write(protocol.END):
             return False
-        line = self._last_line()
+        line: bytes | Fault | None = None
+        deadline = time.monotonic() + _END_S
+        while line is None and (left := deadline - time.monotonic()) > 0:
+            if select.select([self.answer_pipe], [], [], left)[0]:
+                line = self.read()
         self.read_log()
-        return line is not None and line.startswith(b'{"ended":')
+        return isinstance(line, bytes) and line.startswith(b'{"ended":')
 
     def exit_code(self) -> int | None:
         """Return the exit code of the process, below 0 for a signal; None if it does not end in time."""
@@ -228,16 +232,8 @@ class AgentProcess:
         if self._folder is not None:
             self._folder.cleanup()
 
-    def _last_line(self) -> bytes | None:
-        """Return the next line, or None if none comes in time."""
-        deadline = time.monotonic() + _END_S
-        while (left := deadline - time.monotonic()) > 0 and select.select([self.answer_pipe], [], [], left)[0]:
-            if (received := self.read()) is not None:
-                return received if isinstance(received, bytes) else None
-        return None
 
-
-class Sandbox:
+class Sandbox(AbstractContextManager["Sandbox"]):
     """Sandbox: the isolated agents of one process, for one match at a time. Use it as a context manager, or `close` it.
 
     Args:
@@ -251,9 +247,6 @@ class Sandbox:
         self.quotas = replace(quotas, isolation=available_level(quotas.isolation))
         self._playing: list[AgentProcess] = []
         self._waiting: list[AgentProcess] = []
-
-    def __enter__(self) -> "Sandbox":
-        return self
 
     def __exit__(self, *_: object) -> None:
         self.close()
