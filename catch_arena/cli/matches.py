@@ -105,8 +105,8 @@ def tournament(
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.executors import Worker
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
+    from catch_arena.tournament.export import write_standings
     from catch_arena.tournament.plans.schedule import UntilSeparated, require_enough
-    from catch_arena.tournament.standings_files import write_standings
     from catch_arena.tournament.statistics.standings import standings_of_sides
 
     if until_separated is not None and rounds is not None:
@@ -191,7 +191,7 @@ def _require_free_folder(out: Path, parties: Parties, *, recorded: bool, force: 
     """
     from catch_arena.report import REPORT
     from catch_arena.tournament.execution.runner import REPLAYS
-    from catch_arena.tournament.standings_files import SUMMARY, TABLES
+    from catch_arena.tournament.export import SUMMARY, TABLES
 
     for name in (*(TABLES[side] for side in parties.sides), SUMMARY, REPORT):
         require_free(out / name, force=force)

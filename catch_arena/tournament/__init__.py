@@ -12,7 +12,7 @@ Files, from one match up:
   agents of one match. match_loop: playing one match.
 - secret: the tournament's secret, and all seeds that follow from it.
 - store: played matches.
-- export, standings_files: other files of a tournament.
+- export: other files of a tournament.
 - agent_check, grading with grading_spec: one agent. comparison: two.
 
 Nothing here draws, prints or reads options: the command line does (cli/).

@@ -16,7 +16,7 @@ from catch_arena.report import write_report
 from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
 from catch_arena.text import spreadsheet_cell, without_folders
-from catch_arena.tournament.standings_files import TABLES, write_standings
+from catch_arena.tournament.export import TABLES, write_standings
 
 
 def policy_of(text):

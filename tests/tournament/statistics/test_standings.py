@@ -10,9 +10,9 @@ from tournament.played_matches import made_up
 
 from catch_arena import scenario
 from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.export import summary_text, table_text
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.secret import Secret
-from catch_arena.tournament.standings_files import summary_text, table_text
 from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.standings import Standing, standings
 from catch_arena.tournament.store import Tournament
