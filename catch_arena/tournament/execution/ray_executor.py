@@ -74,14 +74,11 @@ class RayExecutor(Executor):
             CatchArenaError: if the worker's machine has other agents or versions.
         """
         try:
-            answer: list[RecordedMatch] | CatchArenaError = future.result()
-        except self._ray.exceptions.RayTaskError:
-            raise
+            return future.result()
+        except self._ray.exceptions.RayTaskError as error:  # raised by our function
+            raise (error.cause if isinstance(error.cause, CatchArenaError) else error) from None
         except self._ray.exceptions.RayError as error:
             raise MatchFailedError(f"a Ray worker was lost: {reason(error)}") from None
-        if isinstance(answer, CatchArenaError):
-            raise answer
-        return answer
 
     def close(self) -> None:
         """End the Ray processes that were started here, and leave a cluster."""
@@ -90,13 +87,9 @@ class RayExecutor(Executor):
 
 def _play_block_there(
     worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault], expected: tuple[tuple[str, str], ...]
-) -> list[RecordedMatch] | CatchArenaError:
-    """Return the played matches, or our error as a value: Ray would wrap a raised error in its own."""
-    try:
-        require_same(worker, expected)
-        return worker.play_block(matches, excluded)
-    except CatchArenaError as error:
-        return error
+) -> list[RecordedMatch]:
+    require_same(worker, expected)
+    return worker.play_block(matches, excluded)
 
 
 @cache
