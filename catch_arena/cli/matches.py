@@ -30,8 +30,7 @@ from catch_arena.files import prepare_folder, require_folder
 from catch_arena.policy import Side
 from catch_arena.seeding import arena_seed
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.execution.block_queue import MAX_FORFEITS
-from catch_arena.tournament.match import MatchResult
+from catch_arena.tournament.match import MAX_FORFEITS, MatchResult
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of

@@ -10,13 +10,12 @@ from catch_arena.errors import StoreError
 from catch_arena.files import prepare_folder
 from catch_arena.suite.contents import Suite, SuiteScenario
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.block_queue import MAX_FORFEITS
 from catch_arena.tournament.execution.cost import measure_cost
 from catch_arena.tournament.execution.executors import Worker, local_executor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.match import MAX_FORFEITS, PlayedMatch
 from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of

@@ -10,10 +10,10 @@ import numpy as np
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.execution.block_queue import MAX_FORFEITS, ForfeitStreaks, play_blocks
+from catch_arena.tournament.execution.block_queue import ForfeitStreaks, play_blocks
 from catch_arena.tournament.execution.executors import RecordedMatch, Worker, local_executor
 from catch_arena.tournament.isolation.quotas import Quotas
-from catch_arena.tournament.match import Match, PlayedMatch
+from catch_arena.tournament.match import MAX_FORFEITS, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret

@@ -14,11 +14,10 @@ from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView, Side, View, player_limits
 from catch_arena.text import last_lines, printable, printable_lines
 from catch_arena.tournament.entrants import Entrant, Inspection, enter
-from catch_arena.tournament.execution.block_queue import MAX_FORFEITS
 from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import NOT_INSTALLED
-from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
+from catch_arena.tournament.match import MAX_FORFEITS, MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.parties import Parties
 

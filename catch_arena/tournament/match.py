@@ -8,6 +8,8 @@ from typing import Any, Final, Literal
 
 from msgspec import Struct
 
+MAX_FORFEITS: Final = 10
+"""Usual number of forfeits in a row that exclude an agent."""
 MOST_TIMEOUTS: Final = 2
 """Number of timeouts of an agent after which grade and check-agent stop: each costs seconds."""
 _ID: Final = re.compile(r"r(\d+)-g(\d+)-s(\d+)")

@@ -19,8 +19,6 @@ _MOST_TRIES: Final = 3
 """Number of tries of a block that fails on our side."""
 _PAUSE_S: Final = 1.0
 """Pause before failed blocks are begun again [s]."""
-MAX_FORFEITS: Final = 10
-"""Usual number of forfeits in a row that exclude an agent."""
 
 
 class ForfeitStreaks:
