@@ -29,8 +29,6 @@ from catch_arena.verdicts import Verdict
 
 SUMMARY: Final = "standings.json"
 TABLES: Final[Mapping[Side, str]] = {"hunter": "standings.csv", "prey": "prey_standings.csv"}
-_OF_TEAMS: Final = ("lost_to_mates", "catches")
-"""Parts of a result that exist only if a team has several hunters."""
 _RESULTS: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "steps", "digest")
 _BY_MATCH: Final[dict[str, type]] = {
     "match": str,
@@ -92,6 +90,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
     for played, versions in store.records():
         match, result = played.match, played.result
         players = [entrants[index].on(side) for index, side in zip(match.seating, sides, strict=True)]
+        teams = {"seats": parties.seats, "lost_to_mates": result.lost_to_mates, "catches": result.catches}
         record = {
             "match": match.id,
             "block": match.block,
@@ -102,7 +101,7 @@ def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:
             "agent_seeds": match.agent_seeds,
             **{name: getattr(result, name) for name in _RESULTS},
             "forfeits": result.forfeit_codes,
-            **({"seats": parties.seats} | {name: getattr(result, name) for name in _OF_TEAMS} if with_teams else {}),
+            **(teams if with_teams else {}),
             "replay_digest": played.replay,
             "ruleset": RULESET,
             "config_digest": config_digest,

@@ -87,7 +87,14 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
     if (command := command_of(spec)) is not None:
         _limit_cpu(allowed.cpu_s)
         _become_command(command, into, out)
-    _import(spec, out)
+    if (own := folder_of(spec)) is not None:
+        sys.path.insert(0, str(own))
+    try:
+        agent_class(spec)
+    except AgentError as error:
+        _report(error, out)
+        _flush()
+        return
     gc.freeze()  # a collection in a fork would look at all modules, and copy their pages
     poll = select.poll()
     poll.register(into, select.POLLIN)
@@ -160,18 +167,6 @@ def _become_command(command: list[str], into: int, out: int) -> NoReturn:
         why = f"{error.strerror}{hint if error.errno == errno.ENOEXEC else ''}"
         os.write(1, protocol.line(error=f"{command[0]}: cannot be started: {why}"))
     os._exit(1)
-
-
-def _import(spec: str, out: int) -> None:
-    """Load the agent's class, or send the error and end this process."""
-    if (folder := folder_of(spec)) is not None:
-        sys.path.insert(0, str(folder))
-    try:
-        agent_class(spec)
-    except AgentError as error:
-        _report(error, out)
-        _flush()
-        os._exit(1)
 
 
 def _confine(quotas: Quotas, *, namespaced: bool) -> None:

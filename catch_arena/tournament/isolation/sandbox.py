@@ -296,17 +296,13 @@ def sandbox_for(quotas: Quotas | None) -> AbstractContextManager[Sandbox | None]
 
 def exit_reason(code: Any, log: Log) -> str:
     """Return an exit code in words, and the last line of the log; a code below 0 is a signal."""
-    last = f'; its last line: "{line}"' if (line := log.last_line()) else ""
-    return f"{_how_it_ended(code)}{last}"
-
-
-def _how_it_ended(code: Any) -> str:
-    if not isinstance(code, int) or not -signal.NSIG < code < _MOST_CODES:
-        return ENDED.reason
-    if code >= 0:
-        return f"its process exited with code {code}"
-    name = signal.Signals(-code).name if -code in set(signal.Signals) else f"signal {-code}"
-    return "its process used up its CPU time (cpu_s)" if name == "SIGXCPU" else f"its process was ended by {name}"
+    how = ENDED.reason  # the agent may have written any code
+    if isinstance(code, int) and 0 <= code < _MOST_CODES:
+        how = f"its process exited with code {code}"
+    elif isinstance(code, int) and -code in set(signal.Signals):
+        name = signal.Signals(-code).name
+        how = "its process used up its CPU time (cpu_s)" if name == "SIGXCPU" else f"its process was ended by {name}"
+    return f'{how}; its last line: "{line}"' if (line := log.last_line()) else how
 
 
 def excerpt(content: bytes) -> str:
