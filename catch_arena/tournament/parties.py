@@ -94,9 +94,8 @@ class Parties:
     def task(self) -> str:
         """Task of the entrants, in words for an error."""
         teams = any(len(seats) > 1 for seats in self.seats)
-        hunters = f"{self.hunting} teams" if teams else f"{self.hunting} hunters"
         prey = len(self) - self.hunting
-        return f"play the {hunters} and the {prey} prey" if prey else "be the teams" if teams else "fill the seats"
+        return f"play the {self.hunting} {'teams' if teams else 'hunters'}{f' and the {prey} prey' if prey else ''}"
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -172,7 +172,7 @@ def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):
             ["tournament", "nearest", "idle", "-s", "tag"],
             "of tag in a tournament (a side with one place needs",
         ),
-        (["match", "nearest", "-s", "pairs"], "agents must be at least 2 to be the teams of pairs, got 1"),
+        (["match", "nearest", "-s", "pairs"], "agents must be at least 2 to play the 2 teams of pairs, got 1"),
         (["compare", "nearest", "idle", "-s", "tag"], "the field (--against) must be of 1 or 3 or 4 agents, got 0: a"),
         (["match", "nearest", *QUICK], "agents must be at least 2"),
         (["match", "nearest", "idle", "first", *QUICK], "agents must be 2"),
