@@ -102,17 +102,15 @@ def _findings(
     name: str, config: ArenaConfig, result: MatchResult, step_ms: float, reported: set[tuple[str, str]]
 ) -> Iterator[Finding]:
     """Yield the findings of one match; failures in `reported` are shown briefly, and new ones are added to it."""
-    failed = [(party, forfeit) for party, forfeit in enumerate(result.forfeits) if forfeit is not None]
-    here: set[tuple[str, str]] = set()
-    for party, forfeit in failed:
-        kind = (forfeit.code, forfeit.reason)
-        if kind in here:
-            continue
-        here.add(kind)
+    failed: dict[tuple[str, str], tuple[int, Forfeit]] = {}  # the first of each kind
+    for party, forfeit in enumerate(result.forfeits):
+        if forfeit is not None:
+            failed.setdefault((forfeit.code, forfeit.reason), (party, forfeit))
+    for kind, (party, forfeit) in failed.items():
         shown = "" if kind in reported else f"{_shown_to(forfeit, config)}{_tail(result.logs[party])}"
         role = " as prey" if config.prey and forfeit.seat >= config.hunters else ""
         yield Finding("error", f"{name}{role}: {forfeit}{shown}")
-    reported |= here
+    reported.update(failed)
     moves = sum(times.moves for times in result.thinking)
     mean_ms = 1000.0 * sum(times.total_s for times in result.thinking) / max(1, moves)
     longest_ms = 1000.0 * max(times.longest_s for times in result.thinking)

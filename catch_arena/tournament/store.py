@@ -361,11 +361,6 @@ def versions() -> dict[str, str]:
     }
 
 
-def store_bytes(parties: int) -> int:
-    """Return the approximate size of a match in the store [bytes] (docs/howto/long_runs.md)."""
-    return 400 + 90 * parties
-
-
 def difference(there: Tournament, here: Tournament) -> str | None:
     """Return the first difference between a stored tournament and this one, in words; None if there is none."""
     old, new = ({**one.config.to_dict(), **one.plan, **one.terms} for one in (there, here))

@@ -34,7 +34,8 @@ class ForfeitStreaks:
     def __init__(self, most: int) -> None:
         self._most = most
         self._forfeited: Counter[int] = Counter()
-        self._excluded: dict[int, Fault] = {}
+        self.excluded: dict[int, Fault] = {}
+        """All excluded entrants, by index, with the reason."""
 
     def add(self, block: Iterable[PlayedMatch]) -> bool:
         """Count the forfeits of the next block of the plan.
@@ -42,7 +43,7 @@ class ForfeitStreaks:
         Returns:
             True if the block excludes an entrant.
         """
-        before = len(self._excluded)
+        before = len(self.excluded)
         for one in block:
             for index, forfeit in zip(one.match.seating, one.result.forfeits, strict=True):
                 if forfeit is None:
@@ -51,18 +52,13 @@ class ForfeitStreaks:
                 self._forfeited[index] += 1
                 if self._forfeited[index] == self._most:
                     why = Fault("FORFEIT_OUT", f"it had forfeited {self._most} matches in a row")
-                    self._excluded.setdefault(index, why)
-        return len(self._excluded) > before
-
-    @property
-    def excluded(self) -> Mapping[int, Fault]:
-        """All excluded entrants, by index, with the reason."""
-        return self._excluded
+                    self.excluded.setdefault(index, why)
+        return len(self.excluded) > before
 
     def excluded_from(self, block: Block) -> Mapping[int, Fault]:
         """Return the excluded entrants of a block, by index, with the reason, after the blocks that were added."""
         players = {index for match in block for index in match.seating}
-        return {index: why for index, why in self._excluded.items() if index in players}
+        return {index: why for index, why in self.excluded.items() if index in players}
 
 
 @dataclass(slots=True)

@@ -11,7 +11,6 @@ from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.execution.executors import Executor, ProcessExecutor, Worker
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan
-from catch_arena.tournament.store import store_bytes
 
 _SAMPLE_S: Final = 2.0
 """Time for trying matches [s]; at least one is tried."""
@@ -24,7 +23,7 @@ class Cost:
     seconds: float
     """Time in one process [s]."""
     stored: int
-    """Size in the store [bytes]."""
+    """Approximate size in the store [bytes] (docs/howto/long_runs.md)."""
     replay: int
     """Size of the replay [bytes]; 0 if none is made."""
 
@@ -50,8 +49,8 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
                     break
         except MatchFailedError:
             return None
-    tried = len(sizes)
-    return Cost(seconds / tried, store_bytes(len(Parties.of(worker.config))), sum(sizes) // tried)
+    tried, stored = len(sizes), 400 + 90 * len(Parties.of(worker.config))
+    return Cost(seconds / tried, stored, sum(sizes) // tried)
 
 
 def match_counts(plan: Plan, entrants: int) -> tuple[tuple[int, int], tuple[int, int]]:

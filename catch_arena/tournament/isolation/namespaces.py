@@ -87,11 +87,6 @@ def bubblewrap_command(visible: Iterable[Path], writable_bytes: int) -> list[str
     return [*words, "--remount-ro", "/", "--chdir", str(TEMPORARY), "--"]
 
 
-def visible_paths(spec: str) -> list[Path]:
-    """Return the files and folders that the agent of this spec sees: its own, Python, and the installed packages."""
-    return [*_runtime(), *_own_paths(spec)]
-
-
 def namespaces_fault() -> str | None:
     """Return the reason for which namespaces do not work on this machine, with a remedy; None if they work."""
     return _fault(shutil.which(_PROGRAM))
@@ -135,8 +130,12 @@ def _runtime() -> Iterator[Path]:
     yield from map(Path, catch_arena.agents.__path__)
 
 
-def _own_paths(spec: str) -> Iterator[Path]:
-    """Yield an agent's files and folders: a file with others of its stem, a folder, a package, or a command's files."""
+def visible_paths(spec: str) -> Iterator[Path]:
+    """Yield the files and folders that the agent of this spec sees: those of every agent, and its own.
+
+    Its own are a file with others of its stem, a folder, a package, or a command's files.
+    """
+    yield from _runtime()
     if (words := command_of(spec)) is not None:
         yield from _command_paths(words)
     elif (folder := folder_of(spec)) is not None:

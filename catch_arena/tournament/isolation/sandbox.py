@@ -134,15 +134,12 @@ class AgentProcess:
             lacks_folder = "temporary directory" in str(error)
             why = f"{error.strerror}: set TMPDIR to a writable folder" if lacks_folder else error
             raise MatchFailedError(f"an agent's process cannot be started: {why}") from None
+        self.pid = self._process.pid
+        """Id of the process; in namespaces, id of the process that made them."""
         for file in (into, out, log):
             os.close(file)
         for file in (self._line_pipe, self.answer_pipe, self.log_pipe):
             os.set_blocking(file, False)
-
-    @property
-    def pid(self) -> int:
-        """Id of the process; in namespaces, id of the process that made them."""
-        return self._process.pid
 
     def begin(self) -> None:
         """Begin a match, with a new log."""

@@ -21,7 +21,6 @@ from catch_arena.tournament.parties import Parties
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-
 Floats: TypeAlias = NDArray[np.floating[Any]]
 Ints: TypeAlias = NDArray[np.int64]
 
