@@ -170,13 +170,11 @@ def grade_agent(
         forfeit = result.forfeits[party]
         forfeited = 0 if forfeit is None else forfeited + 1
         timeouts += forfeit is not None and forfeit.late
-        if timeouts == MOST_TIMEOUTS:
-            stopped = f"it took too long in {timeouts} matches"
-        elif forfeited == MAX_FORFEITS:
-            stopped = f"it had forfeited {forfeited} matches in a row"
-        if stopped:
+        if timeouts == MOST_TIMEOUTS or forfeited == MAX_FORFEITS:
+            slow = timeouts == MOST_TIMEOUTS
+            why = f"took too long in {timeouts} matches" if slow else f"had forfeited {forfeited} matches in a row"
             left = len(matches) - len(played)
-            stopped = f"FORFEIT_OUT: {stopped}; {left} more were not played" if left else ""
+            stopped = f"FORFEIT_OUT: it {why}; {left} more were not played" if left else ""
             break
     return _grade(test, played, parties, stopped)
 

@@ -17,7 +17,6 @@ Purpose = Literal["match", "agent", "seating", "groups", "compare", "grade", "su
 
 _BYTES: Final = 16
 _SEED_BYTES: Final = 8
-_LONGEST_NUMBER: Final = len(str(SEED_LIMIT))
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,7 +50,7 @@ class Secret:
         """
         if len(text) == 2 * _BYTES and set(text) <= set(hexdigits):
             return cls(bytes.fromhex(text))
-        if text.isascii() and text.isdecimal() and len(text) <= _LONGEST_NUMBER and int(text) < SEED_LIMIT:
+        if text.isascii() and text.isdecimal() and len(text) <= len(str(SEED_LIMIT)) and int(text) < SEED_LIMIT:
             return cls.of(int(text))
         raise ConfigError(
             f"seed must be {2 * _BYTES} hexadecimal digits, or a whole number from 0 to 2^64 - 1, got {text[:80]!r}"

@@ -330,12 +330,9 @@ def only_one_plays_in(folder: Path) -> Iterator[None]:
     """
     try:
         import fcntl
-    except ImportError:
-        yield
-        return
-    try:
+
         descriptor = os.open(folder, os.O_RDONLY)
-    except OSError:  # the folder cannot be read: writing to it raises an error with the reason
+    except (ImportError, OSError):  # a folder that cannot be read: writing to it raises an error with the reason
         yield
         return
     try:

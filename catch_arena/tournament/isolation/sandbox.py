@@ -101,12 +101,11 @@ class AgentProcess:
         self._serves_many_matches = command_of(spec) is None  # a command ends with its first match
         self.started = False
         """True after the process has begun to run the agent's code."""
-        self._max_line_bytes = quotas.answer_kib * _KIB
-        self._log_size = quotas.log_kib * _KIB
+        self._quotas = quotas
         self._namespaced = quotas.isolation == "namespaces"
         self._unread = b""
         self._log_open = True
-        self.log = Log(self._log_size)
+        self.begin()
         pipes: list[tuple[int, int]] = []
         try:
             pipes.extend(os.pipe() for _ in range(3))
@@ -143,7 +142,7 @@ class AgentProcess:
 
     def begin(self) -> None:
         """Begin a match, with a new log."""
-        self.log = Log(self._log_size)
+        self.log = Log(self._quotas.log_kib * _KIB)
 
     def files(self) -> tuple[int, ...]:
         """Return the descriptors to poll: answers, and printed text while the log is open."""
@@ -173,8 +172,8 @@ class AgentProcess:
         line, end, rest = self._unread.partition(b"\n")
         if rest:
             return Fault("FORFEIT_ILLEGAL", f"said more than one line: {excerpt(self._unread)}")
-        if len(self._unread) > self._max_line_bytes:
-            return Fault("FORFEIT_ILLEGAL", f"its line is longer than {self._max_line_bytes} bytes: {excerpt(line)}")
+        if len(self._unread) > (most := self._quotas.answer_kib * _KIB):
+            return Fault("FORFEIT_ILLEGAL", f"its line is longer than {most} bytes: {excerpt(line)}")
         if not end:
             return None
         self._unread = b""
