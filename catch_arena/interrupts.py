@@ -6,7 +6,6 @@ Both print one line, exit with code 130 (143 for SIGTERM, 129 for a closed termi
 This module imports little, since a signal before `listen` prints a traceback.
 """
 
-import atexit
 import os
 import signal
 import sys
@@ -19,22 +18,19 @@ if TYPE_CHECKING:
     from typing import NoReturn
 
 LINUX = sys.platform == "linux"
-_LONG_S = 3600.0
 _GRACE_S = 0.5
 _PAUSE_S = 0.002
-_SET_CHILD_SUBREAPER = 36  # option of Linux's prctl
 _WORDS = {"SIGINT": "interrupted", "SIGTERM": "terminated", "SIGHUP": "hung up"}
 
 
 class _Command:
     """State of the command that this process runs."""
 
-    status = 2  # exit code; until the command has ended, the one for an unexpected error
+    status = 0  # exit code after a signal
     first_signal = 0  # its number, or 0
     is_running = False  # the command is running, so KeyboardInterrupt can be raised
     is_waiting = False  # an interrupt is the command's normal end
-    is_saving = False  # the command is saving results, so an interrupt waits
-    more: "Callable[[], str]" = str
+    more = ""  # text for the line about an interrupt
 
 
 def listen() -> None:
@@ -42,7 +38,6 @@ def listen() -> None:
     for name in _WORDS:
         if (number := getattr(signal, name, None)) and signal.getsignal(number) is not signal.SIG_IGN:
             signal.signal(number, _on_signal)
-    atexit.register(_exit)  # registered first, so called last
 
 
 def run(command: "Callable[[], object]") -> "NoReturn":
@@ -56,13 +51,14 @@ def run(command: "Callable[[], object]") -> "NoReturn":
             _Command.is_running = False
     except SystemExit as exit_:
         status = exit_.code
-    except BaseException:
+    except BaseException:  # noqa: BLE001 - it is printed as Python prints it
         if not _Command.first_signal:
-            raise
+            sys.excepthook(*sys.exc_info())
+            status = 2  # Python's own would be 1, which is the answer no
     if _Command.first_signal:  # also if the command has caught the interrupt
-        _flush()
+        with suppress(Exception):  # a full disk, a closed pipe, or no stdout
+            sys.stdout.flush()
         _end()
-    _Command.status = status if isinstance(status, int) else int(status is not None)
     sys.exit(status)  # type: ignore[arg-type]
 
 
@@ -82,20 +78,9 @@ def wait(announce: "Callable[[], object]") -> None:
     def last() -> None:
         announce()
         while True:
-            time.sleep(_LONG_S)
+            time.sleep(3600.0)
 
     run_until_signal(last)
-
-
-def run_uninterrupted(save: "Callable[[], object]") -> None:
-    """Call `save`; an interrupt during the call is raised after it."""
-    before, _Command.is_saving = _Command.first_signal, True
-    try:
-        save()
-    finally:
-        _Command.is_saving = False
-    if _Command.first_signal != before:
-        raise KeyboardInterrupt
 
 
 def was_interrupted() -> bool:
@@ -103,8 +88,8 @@ def was_interrupted() -> bool:
     return bool(_Command.first_signal)
 
 
-def add_to_message(more: "Callable[[], str]") -> None:
-    """Append the text that `more` returns to the line that is printed after a signal."""
+def add_to_message(more: str) -> None:
+    """Append a text to the line that is printed after a signal."""
     _Command.more = more
 
 
@@ -131,34 +116,31 @@ def _on_signal(number: int, _: object) -> None:
     sys.unraisablehook = lambda error: _end() if error.exc_type is KeyboardInterrupt else None
     if (threading := sys.modules.get("threading")) is not None:
         threading.excepthook = lambda _: None  # type: ignore[attr-defined]
-    if _Command.is_running and not _Command.is_saving:
-        raise KeyboardInterrupt
-    if not _Command.is_saving:
+    if not _Command.is_running:
         _end()
+    raise KeyboardInterrupt
 
 
 def _end() -> "NoReturn":
     """End this process and all its descendants, without Python's work at exit."""
     try:
-        _end_descendants()
+        if LINUX:
+            _end_descendants()
         if _Command.status:
-            line, more = f"catch-arena: {_WORDS[signal.Signals(_Command.first_signal).name]}", ""
-            with suppress(Exception):  # the line is printed in any case
-                more = _Command.more()
+            line = f"catch-arena: {_WORDS[signal.Signals(_Command.first_signal).name]}"
             before = "\r\x1b[K\x1b[?25h" if os.isatty(2) else ""  # show a hidden cursor again
-            os.write(2, f"{before}{line}{more and ': '}{more}\n".encode(errors="backslashreplace"))
+            text = f"{line}: {_Command.more}" if _Command.more else line
+            os.write(2, f"{before}{text}\n".encode(errors="backslashreplace"))
     finally:
         os._exit(_Command.status)
 
 
 def _end_descendants() -> None:
     """End all descendants of this process: first by SIGTERM, a moment later by SIGKILL."""
-    if not LINUX:
-        return
-    with suppress(Exception):  # ctypes may be half imported
+    with suppress(Exception):  # another system, or ctypes is half imported
         from ctypes import CDLL
 
-        CDLL(None).prctl(_SET_CHILD_SUBREAPER, 1)  # descendants whose parent ends become children of this process
+        CDLL(None).prctl(36, 1)  # PR_SET_CHILD_SUBREAPER: descendants whose parent ends become our children
     for number in (signal.SIGTERM, signal.SIGKILL):
         deadline = time.monotonic() + _GRACE_S
         while (left := descendants(os.getpid())) and time.monotonic() < deadline:
@@ -166,22 +148,3 @@ def _end_descendants() -> None:
                 with suppress(OSError):  # the process has just ended
                     os.kill(pid, number)
             time.sleep(_PAUSE_S)
-    with suppress(OSError):  # no child is left
-        while os.waitpid(-1, os.WNOHANG)[0]:  # after this process the system may take a moment to collect them
-            pass
-
-
-def _flush() -> bool:
-    """Return whether all output could be written."""
-    try:
-        sys.stdout.flush()
-        sys.stderr.flush()
-    except Exception:  # noqa: BLE001 - a full disk, a closed pipe, or no stdout
-        return False
-    return True
-
-
-def _exit() -> None:
-    """End without the cleanup of modules, which takes long and ignores signals."""
-    if _flush():  # otherwise Python tries again, and prints the error
-        os._exit(_Command.status)

@@ -20,6 +20,7 @@ import subprocess
 import sys
 import time
 from argparse import ArgumentDefaultsHelpFormatter, ArgumentParser, Namespace
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
 
@@ -377,8 +378,8 @@ class Learner:
         export(self.network.actor(), self.out, "agent")
         for name in ("progress", "curve"):
             if rows := getattr(self, name):
-                with (self.out / f"{name}.csv").open("w", newline="") as file:
-                    table = csv.DictWriter(file, list(rows[0]))
+                with whole_file(self.out / f"{name}.csv") as file:
+                    table = csv.DictWriter(TextIOWrapper(file, newline="", write_through=True), list(rows[0]))
                     table.writeheader()
                     table.writerows(rows)
         selves = [player.policy.network for player in self.pool.opponents.pool[self.pool.scripted :]]
@@ -423,7 +424,7 @@ def train() -> None:
     torch.set_num_threads(1)
     torch.manual_seed(settings.seed)
     learner = Learner(settings)
-    interrupts.add_to_message(lambda: f"after {learner.decisions:,} decisions; --resume continues")
+    interrupts.add_to_message("the run is kept; --resume continues")
     if state is not None:
         learner.restore(state)
     elif settings.start:
@@ -434,7 +435,7 @@ def train() -> None:
             learner.evaluate()
         if learner.decisions >= settings.decisions:
             break
-        interrupts.run_uninterrupted(learner.update)  # Ctrl-C does not break off an update
+        learner.update()
     print(f"{settings.out / 'agent.py'}: catch-arena check-agent {settings.out / 'agent.py'}", flush=True)
 
 

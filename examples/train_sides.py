@@ -411,7 +411,7 @@ def train() -> None:
     torch.set_num_threads(1)
     torch.manual_seed(settings.seed)
     run = Run(settings, config)
-    interrupts.add_to_message(lambda: f"{settings.out} has the agents of the last evaluation")
+    interrupts.add_to_message(f"{settings.out} has the agents of the last evaluation")
     most = 0
     while True:
         before, most = most, max(one.decisions for one in run.learners)

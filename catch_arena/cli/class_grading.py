@@ -59,7 +59,7 @@ def grade_folder(
     graded: dict[str, Graded] = {}
     before = 0
     with (
-        noting_kept_results(lambda: f"{len(graded)} of {len(submissions)} are graded; the same command continues"),
+        noting_kept_results("what was graded is kept; the same command continues"),
         opened as executor,
         progress_bar("grading", len(submissions)) as show,
     ):

@@ -73,7 +73,7 @@ def _run_once(folder: Path, rules: "Rules", cores: Cores, secret: Secret | None)
     from catch_arena.league.site import write_site
     from catch_arena.league.update import update_league
 
-    interrupts.add_to_message(lambda: "what was played is kept; the same command goes on")
+    interrupts.add_to_message("what was played is kept; the same command goes on")
     with progress_bar("playing until each has its place") as show:
         league = update_league(
             folder,

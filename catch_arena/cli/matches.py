@@ -23,7 +23,7 @@ from catch_arena.cli.options import (
     print_seed,
 )
 from catch_arena.cli.outputs import REPLAY, Force, output_option, require_free, reserve_file, reserve_free_file
-from catch_arena.cli.progress import MatchCounter, noting_kept_results, progress_bar
+from catch_arena.cli.progress import match_counter, noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo, own_console
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.files import prepare_folder, require_folder
@@ -128,18 +128,13 @@ def tournament(
         own_console(err=True).print(plan_table(plan, worker, cost, jobs, max_forfeits))
     prepare_folder(out / REPLAYS if record else out)
 
-    def kept() -> str:
-        with Store.read(out) as store:  # a separate connection: any thread may call this
-            played = store.count_played()
-        return f"{played} of {size} matches are kept in {out}; the same command with --resume goes on"
-
     with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
         echo(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
         print_missing_prey(entrants, config)
-        with noting_kept_results(kept):
+        with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
             with cores.of(worker) as ready, progress_bar("playing", plan.size) as show:
-                counter = MatchCounter(plan.size, show)
-                play_plan(store, plan, ready, max_forfeits=max_forfeits, on_results=counter)
+                count_matches = match_counter(plan.size, show)
+                play_plan(store, plan, ready, max_forfeits=max_forfeits, on_results=count_matches)
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)

@@ -55,30 +55,24 @@ def progress_bar(description: str, total: int | None = None) -> Iterator[Callabl
             bar.stop()
 
 
-class MatchCounter:
-    """Counter of the results of matches, which reports their progress.
+def match_counter(total: int, show: Callable[..., None]) -> Callable[[Sized], None]:
+    """Return a function that takes further results of `total` matches, and calls `show` of `progress_bar`."""
+    done = 0
 
-    Args:
-        total: number of all matches.
-        show: function that reports the progress, of `progress_bar`.
-    """
+    def count(results: Sized) -> None:
+        nonlocal done
+        done += len(results)
+        show(done, total)
 
-    def __init__(self, total: int, show: Callable[..., None]) -> None:
-        self.done = 0
-        self._total, self._show = total, show
-
-    def __call__(self, results: Sized) -> None:
-        """Add further results."""
-        self.done += len(results)
-        self._show(self.done, self._total)
+    return count
 
 
 @contextmanager
-def noting_kept_results(kept: Callable[[], str]) -> Iterator[None]:
-    """Append the text of `kept`, which says what is kept, to the line about an interrupt or an error."""
-    interrupts.add_to_message(lambda: shown(kept()))
+def noting_kept_results(kept: str) -> Iterator[None]:
+    """Append the text `kept`, about what is kept and how it continues, to the line about an interrupt or an error."""
+    interrupts.add_to_message(shown(kept))
     try:
         yield
     except (MatchFailedError, OutputError, StoreError) as error:
-        error.args = (f"{error}; {kept()}",)
+        error.args = (f"{error}; {kept}",)
         raise

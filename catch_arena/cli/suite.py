@@ -9,7 +9,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
 from catch_arena.cli.outputs import Force, reserve_file
-from catch_arena.cli.progress import MatchCounter, noting_kept_results, progress_bar
+from catch_arena.cli.progress import match_counter, noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo, own_console, plain_table
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_spec import is_shipped
@@ -104,11 +104,10 @@ def suite(
     echo(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, {takes}")
 
     with progress_bar("playing", total) as show:
-        counter = MatchCounter(total, show)
-        kept = f"of {total} matches are kept in {out}; the same command with --resume goes on"
-        with noting_kept_results(lambda: f"{counter.done} {kept}"):
+        count = match_counter(total, show)
+        with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
             for evaluation in evaluations:
-                evaluation.play(workers, counter)
+                evaluation.play(workers, count)
     known = references(chosen)
     measured = [measure(evaluation) for evaluation in evaluations]
     for measures in measured:

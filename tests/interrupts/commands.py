@@ -17,7 +17,7 @@ _PLAN = "plan|matches|an agent plays|a pair meets in|time|store|replays|an agent
 PROGRESS = re.compile(rf"^((playing|loading agents|isolation): .+\n|({_PLAN})  +.+\n( {{10,}}.+\n)*)", re.MULTILINE)
 """What a command prints on stderr before and while it plays: the level of isolation, the plan, and how far it is."""
 LINE = re.compile(
-    r"catch-arena: interrupted(: (?P<kept>\d+) of \d+ matches are kept in o; the same command with --resume goes on)?\n"
+    r"catch-arena: interrupted(?P<kept>: what was played is kept in o; the same command with --resume goes on)?\n"
 )
 _CATCH_ARENA = (sys.executable, "-c", "from catch_arena.__main__ import main; main()")
 WAITS_WHEN_IT_HAS_KEPT = (

@@ -132,7 +132,7 @@ def serve_match(
                 if record is not None:  # last, since saving takes as long as many ticks
                     if left_out := service.requests_left_out:
                         log(f"the replay is without {left_out} refused requests: there were too many to keep")
-                    interrupts.run_uninterrupted(lambda: service.replay.save(record))
+                    service.replay.save(record)
 
         interrupts.run_until_signal(end)
     return Served(tuple(names), ranks, scores, rate, node.remarks())
