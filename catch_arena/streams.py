@@ -27,7 +27,7 @@ def outlive_readers() -> None:
             lasting = TextIOWrapper(
                 raw if stream.write_through else BufferedWriter(raw),  # as Python makes its own with -u
                 stream.encoding,
-                stream.errors,
+                "replace",  # a letter that a terminal cannot show becomes a question mark
                 line_buffering=stream.line_buffering,
                 write_through=stream.write_through,
             )

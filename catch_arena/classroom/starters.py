@@ -21,7 +21,7 @@ def write_agent_kit(folder: Path) -> list[Path]:
         OutputError: if the folder has files, or cannot be written.
     """
     kit = {name: _content("kit", name) for name in _PROGRAMS}
-    kit["README.md"] = _content("kit", "README.md").replace("NAME", folder.name, 1)
+    kit["README.md"] = _content("kit", "README.md").replace("NAME", folder.absolute().name, 1)
     return _write(
         folder, {**kit, _SPEC: _content("sample", _SPEC), ".github/workflows/grade.yml": _content("kit", "grade.yml")}
     )

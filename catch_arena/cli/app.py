@@ -3,13 +3,11 @@
 Heavy modules (the engine, the renderer) are imported only by the commands that need them: --help must be fast.
 """
 
-import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from inspect import Parameter, Signature, signature
-from pathlib import Path
 from typing import Annotated, Any, Final, NoReturn, TypeVar, cast
 
 import typer
@@ -17,7 +15,7 @@ from typer.core import TyperGroup
 
 from catch_arena import interrupts
 from catch_arena.cli.outputs import reservations
-from catch_arena.cli.terminal import WIDE, echo, own_console, own_streams
+from catch_arena.cli.terminal import WIDE, echo, own_console
 from catch_arena.errors import CatchArenaError
 
 EXIT_NO: Final = 1
@@ -59,25 +57,24 @@ class _AllCommands(Commands):
 
     def main(self, *args: Any, **kwargs: Any) -> NoReturn:
         """Read the command line, run the command, and exit."""
-        with own_streams():
-            width = min(WIDE, own_console().width)
-            try:
-                with reservations():
-                    sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False, "terminal_width": width}))
-            except CatchArenaError as error:
-                if not interrupts.was_interrupted():  # an error after Ctrl-C is expected
-                    _print_error(str(error), error.hint)
-            except _UsageError as error:
-                context: Any = getattr(error, "ctx", None)
-                if type(error).__name__ == "NoArgsIsHelpError":
-                    echo(str(error))
-                else:
-                    text = " ".join(cast(Any, error).format_message().replace("Value error, ", "").split())
-                    _print_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
-            except OSError as error:
-                with suppress(OSError):  # stderr may be full too
-                    _print_error(_describe(error))
-            sys.exit(EXIT_ERROR)
+        width = min(WIDE, own_console().width)
+        try:
+            with reservations():
+                sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False, "terminal_width": width}))
+        except CatchArenaError as error:
+            if not interrupts.was_interrupted():  # an error after Ctrl-C is expected
+                _print_error(str(error), error.hint)
+        except _UsageError as error:
+            context: Any = getattr(error, "ctx", None)
+            if type(error).__name__ == "NoArgsIsHelpError":
+                echo(str(error))
+            else:
+                text = " ".join(cast(Any, error).format_message().replace("Value error, ", "").split())
+                _print_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
+        except OSError as error:
+            with suppress(OSError):  # stderr may be full too
+                _print_error(_describe(error))
+        sys.exit(EXIT_ERROR)
 
 
 def _print_error(text: str, hint: str | None = None) -> None:
@@ -95,10 +92,7 @@ def _describe(error: OSError) -> str:
 
 
 class Program(typer.Typer):
-    """Program whose commands take single options, or dataclasses of options that several commands share.
-
-    Paths among the options become absolute before the command runs: a trusted agent may change the working folder.
-    """
+    """Program whose commands take single options, or dataclasses of options that several commands share."""
 
     def command(self, *args: Any, **kwargs: Any) -> Callable[[_Function], _Function]:
         """Register a command, as `typer.Typer.command` does."""
@@ -126,22 +120,14 @@ def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
             single.append(parameter.replace(kind=Parameter.KEYWORD_ONLY))
 
     def run(**given: Any) -> Any:
-        values = {name: _absolute(value) for name, value in given.items()}
         for name, kind in shared.items():
-            values[name] = kind(**{field.name: values.pop(field.name) for field in fields(kind)})
-        return command(**values)
+            given[name] = kind(**{field.name: given.pop(field.name) for field in fields(kind)})
+        return command(**given)
 
     run.__name__, run.__doc__ = command.__name__, command.__doc__
     run.__signature__ = Signature(single)  # type: ignore[attr-defined]
     run.__annotations__ = {parameter.name: parameter.annotation for parameter in single}
     return run
-
-
-def _absolute(value: Any) -> Any:
-    """Return a path, or each path of a list or tuple, as an absolute path; return any other value unchanged."""
-    if isinstance(value, list | tuple):
-        return [_absolute(element) for element in value]
-    return Path(os.path.expanduser(value)).absolute() if isinstance(value, Path) else value  # noqa: PTH111 - a user without a home is no error
 
 
 main = Program(

@@ -41,7 +41,7 @@ def grade_folder(
 ) -> bool:
     """Grade all submissions in a folder, write the results, and return whether all could be graded."""
     submissions, others = find_submissions(folder)
-    out = students.out or Path(f"{folder.absolute().name}_{exercise.path.stem}_grades").absolute()
+    out = students.out or Path(f"{folder.absolute().name}_{exercise.path.stem}_grades")
     if out.resolve().is_relative_to(folder.resolve()):
         raise ConfigError(f"--out must be outside of the submissions' folder, got {out}")
     if not (out / KEPT).is_dir():

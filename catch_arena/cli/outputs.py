@@ -76,7 +76,7 @@ def reserve_file(path: Path | None, *endings: str, force: bool) -> None:
 
 def reserve_free_file(usual: str, *, force: bool) -> Path:
     """Reserve and return the first free path of «name.end», «name-2.end» and so on; with `force`, «name.end»."""
-    path = Path(usual).absolute()
+    path = Path(usual)
     prepare_folder(path.parent)
     others = (path.with_stem(f"{path.stem}-{number}") for number in count(2))
     return next(free for free in chain([path], others) if _reserve(free) or force)

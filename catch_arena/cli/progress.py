@@ -8,7 +8,7 @@ from typing import Final
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from catch_arena import interrupts
-from catch_arena.cli.terminal import own_console, shown
+from catch_arena.cli.terminal import own_console
 from catch_arena.errors import MatchFailedError, OutputError, StoreError
 
 _LINE_EVERY_S: Final = 5.0
@@ -70,7 +70,7 @@ def match_counter(total: int, show: Callable[..., None]) -> Callable[[Sized], No
 @contextmanager
 def noting_kept_results(kept: str) -> Iterator[None]:
     """Append the text `kept`, about what is kept and how it continues, to the line about an interrupt or an error."""
-    interrupts.add_to_message(shown(kept))
+    interrupts.add_to_message(kept)
     try:
         yield
     except (MatchFailedError, OutputError, StoreError) as error:

@@ -1,6 +1,4 @@
-"""Modules of strangers, full disks, folders that are gone and links that lead to themselves: no command ends in a
-traceback, and its output is where it was asked for.
-"""
+"""Full disks, folders that are gone and links that lead to themselves: no command ends in a traceback."""
 
 import csv
 import os
@@ -9,28 +7,18 @@ import sys
 from pathlib import Path
 
 import pytest
-from platformdirs import user_cache_dir
-
-from catch_arena import Replay
 
 QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--trusted"]
 MODULE = """
-import os, sys
-{change}
+print("one")
 class Agent:
     def reset(self, seed):
-        {late}
+        print("two", flush=True)
     def act(self, view):
         return 1 if view.targets else 0
 def arbiter(**given):
-    return {{}}
+    return {}
 """
-CHANGES = {
-    "folder": "os.chdir('/')",
-    "replaced": "sys.stdout = sys.stderr = open(os.devnull, 'w')",
-    "umask": "os.umask(0o777)",
-    "path": "sys.path.clear()",
-}
 
 
 def run(folder, *words, **options):
@@ -44,18 +32,6 @@ def run(folder, *words, **options):
         check=False,
         **({"stdout": subprocess.PIPE} | options),
     )
-
-
-@pytest.mark.parametrize("change", [*CHANGES, "in a match"])
-def test_a_trusted_agent_moves_and_silences_nothing(tmp_path, change):
-    late = f"{CHANGES['folder']}; {CHANGES['replaced']}" if change == "in a match" else "pass"
-    (tmp_path / "dé.py").write_text(MODULE.format(change=CHANGES.get(change, ""), late=late), encoding="utf-8")
-    done = run(tmp_path, "match", "dé.py", "idle", *QUICK, "-o", "m.replay", "--seed", "1")
-    assert (done.returncode, done.stderr) == (0, "")
-    assert "dé (hunter_0)" in done.stdout
-    assert done.stdout.endswith("seed: 1\nreplay: m.replay\n")
-    assert (tmp_path / "m.replay").stat().st_mode & 0o600 == 0o600
-    assert Replay.load(tmp_path / "m.replay").names == ("dé", "idle")
 
 
 SPEC = """
@@ -87,7 +63,7 @@ min_mean_score = 100.0
 def test_a_command_whose_reader_has_gone_works_to_its_end(tmp_path, words, status, written):
     """For example `catch-arena grade ... | head -1`; an agent that prints to the closed pipe does not forfeit."""
     (tmp_path / "spec.toml").write_text(SPEC)
-    (tmp_path / "mine.py").write_text(MODULE.format(change="print('one')", late="print('two', flush=True)"))
+    (tmp_path / "mine.py").write_text(MODULE)
     reader, writer = os.pipe()
     os.close(reader)
     with os.fdopen(writer, "w") as gone:
@@ -143,12 +119,3 @@ def test_a_name_that_leads_nowhere_is_one_line(tmp_path, words, why):
     assert (done.returncode, done.stdout) == (2, "")
     assert why in done.stderr
     assert len(done.stderr.splitlines()) == 1
-
-
-def test_paths_begin_at_home_and_are_absolute(tmp_path, monkeypatch):
-    """A shell does not replace the ~ of --output=~/m.replay."""
-    monkeypatch.setenv("XDG_CACHE_HOME", user_cache_dir())  # with the compiled rules
-    monkeypatch.setenv("HOME", str(tmp_path))
-    done = run("/", "match", "idle", "idle", *QUICK, "--output=~/out/m.replay")
-    assert done.stdout.endswith(f"replay: {tmp_path / 'out' / 'm.replay'}\n")
-    assert run("/", "verify", "~/out/m.replay").returncode == 0
