@@ -74,20 +74,6 @@ SCENARIOS: Final[Mapping[str, ArenaConfig]] = MappingProxyType(
 )
 
 
-_WORDS_OF_MPE: Final = {
-    "N": "hunters",
-    "num_agents": "hunters",
-    "num_adversaries": "hunters",
-    "num_good": "prey",
-    "max_steps": "max_cycles",
-    "seed": "reset(seed=...)",
-    "num_obstacles": None,
-    "local_ratio": "1 - team_share",
-    "dynamic_rescaling": None,
-}
-"""Names of settings in PettingZoo's particle environments (MPE), with ours; None if there is no such setting here."""
-
-
 def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
     """Return the settings of a named scenario, or a given config, with overrides.
 
@@ -99,11 +85,6 @@ def scenario(name: str | ArenaConfig, **overrides: object) -> ArenaConfig:
     Raises:
         ConfigError: for an unknown name, with the nearest known one, or for an invalid setting.
     """
-    for word in overrides:
-        if word in _WORDS_OF_MPE:
-            ours = _WORDS_OF_MPE[word]
-            here = f"here it is {ours}" if ours else "there is no such thing here"
-            raise ConfigError(f"unknown setting {word!r}: {here}; see `catch-arena docs simple_tag`")
     if "continuous_actions" in overrides:
         continuous = overrides.pop("continuous_actions")
         if not isinstance(continuous, bool):

@@ -215,25 +215,6 @@ def test_continuous_actions_stand_for_velocity_control():
         catch_arena.env(continuous_actions=True, control="full")
 
 
-@pytest.mark.parametrize(
-    ("word", "ours"),
-    [
-        ("N", "hunters"),
-        ("num_good", "prey"),
-        ("max_steps", "max_cycles"),
-        ("local_ratio", "1 - team_share"),
-        ("num_obstacles", None),
-    ],
-)
-def test_other_words_of_mpe_get_ours(word, ours):
-    """The error names the page for users of simple_tag instead of listing all settings."""
-    here = f"here it is {ours}" if ours else "there is no such thing here"
-    message = re.escape(f"unknown setting {word!r}: {here}; see `catch-arena docs simple_tag`")
-    for make in (catch_arena.parallel_env, catch_arena.env, catch_arena.VectorArena, catch_arena.scenario):
-        with pytest.raises(ConfigError, match=f"^{message}$"):
-            make("tag", **{word: 3})
-
-
 @pytest.mark.parametrize("infos", ["masks", None, True, ["mask"], np.array(["mask", "none"])])
 def test_infos_of_an_unknown_kind_are_refused(infos):
     """With the kinds that there are."""
