@@ -5,7 +5,7 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal, get_args
 
@@ -45,7 +45,7 @@ class _Part:
         group, (least, most) = next((name, bounds) for name, (kind, bounds) in _PARTS.items() if isinstance(self, kind))
         for setting in dataclasses.fields(self):
             value = getattr(self, setting.name)
-            _require_number(f"{group}.{setting.name}", value, at_least=least, at_most=most)
+            _require_number(f"{group}.{setting.name}", value, least, most)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -198,18 +198,20 @@ class ArenaConfig:
     def __post_init__(self) -> None:
         _make_plain(self)
         require_integer("hunters", self.hunters, 1, MAX_HUNTERS)
-        _require_number("side_m", self.side_m, at_least=2.0, at_most=5000.0)
-        self._check_handicap("max_speed_mps", at_most=1000.0)
-        self._check_handicap("max_turn_rate_radps", at_most=1000.0)
-        self._check_handicap("reach_m", at_most=10_000.0)
-        _require_number("spawn_frequency_hz", self.spawn_frequency_hz, at_least=-1e6, at_most=1e6)
+        _require_number("side_m", self.side_m, 2.0, 5000.0)
+        for setting, most in (("max_speed_mps", 1000.0), ("max_turn_rate_radps", 1000.0), ("reach_m", 10_000.0)):
+            for name, value in self._by_seat(setting):
+                _require_number(name, value, None, most)
+        for name, value in self._by_seat("control"):
+            require_choice(name, value, get_args(Control))
+        _require_number("spawn_frequency_hz", self.spawn_frequency_hz, -1e6, 1e6)
         require_integer("max_targets", self.max_targets, 1, MAX_TARGETS)
         require_integer("initial_targets", self.initial_targets, 0, self.max_targets, "max_targets")
         require_integer("control_period_ms", self.control_period_ms, 16, 10**9)
-        _require_number("time_limit_s", self.time_limit_s, above=0.0, at_most=1e9)
-        _require_number("dropout_rate", self.dropout_rate, at_least=0.0, at_most=1.0)
+        _require_number("time_limit_s", self.time_limit_s, None, 1e9)
+        _require_number("dropout_rate", self.dropout_rate, 0.0, 1.0)
         if self.start_radius_m is not None:
-            _require_number("start_radius_m", self.start_radius_m, at_least=0.0, at_most=self.side_m / 2)
+            _require_number("start_radius_m", self.start_radius_m, 0.0, self.side_m / 2)
         if self.target_budget is not None:
             require_integer("target_budget", self.target_budget, max(1, self.initial_targets), 2**40)
         if self.max_cycles is not None:
@@ -229,54 +231,39 @@ class ArenaConfig:
                 raise ConfigError(f"{name} must be {kind.__name__}(...) or a mapping, got {getattr(self, name)!r}")
         self._check_target_motion()
         self._check_view()
-        self._check_control()
         self._check_poses()
         self._check_teams()
         require_hunters_per_catch(self.hunters_per_catch, self.teams, self.policy)
         self._check_prey()
 
-    def _check_handicap(self, name: str, at_most: float) -> None:
+    def _by_seat(self, name: str) -> Iterator[tuple[str, Any]]:
+        """Yield the value of a setting for all hunters, or of each seat, with its name in errors."""
         value = getattr(self, name)
         if not isinstance(value, tuple):
-            _require_number(name, value, above=0.0, at_most=at_most)
+            yield name, value
             return
         if len(value) != self.hunters:
-            raise ConfigError(f"{name} must be one number, or one for each of {self.hunters} hunters, got {value!r}")
-        for seat, number in enumerate(value):
-            _require_number(f"{name}[{seat}]", number, above=0.0, at_most=at_most)
+            raise ConfigError(f"{name} must be one value, or one for each of {self.hunters} hunters, got {value!r}")
+        yield from ((f"{name}[{seat}]", one) for seat, one in enumerate(value))
 
     def _check_target_motion(self) -> None:
         require_choice("target_motion", self.target_motion, get_args(TargetMotion))
-        _require_number("target_speed_mps", self.target_speed_mps, above=0.0, at_most=1000.0)
-        _require_number("target_turn_rate_radps", self.target_turn_rate_radps, above=0.0, at_most=1000.0)
+        _require_number("target_speed_mps", self.target_speed_mps, None, 1000.0)
+        _require_number("target_turn_rate_radps", self.target_turn_rate_radps, None, 1000.0)
         require_integer("wander_period_ms", self.wander_period_ms, 1, 10**9)
-        _require_number("alarm_m", self.alarm_m, at_least=0.0, at_most=10_000.0)
+        _require_number("alarm_m", self.alarm_m, 0.0, 10_000.0)
 
     def _check_view(self) -> None:
         if self.view_radius_m is not None:
-            everywhere = ", or None for the whole arena"
-            _require_number("view_radius_m", self.view_radius_m, above=0.0, at_most=10_000.0, otherwise=everywhere)
-        _require_number("view_angle_deg", self.view_angle_deg, above=0.0, at_most=360.0)
-        _require_number("view_noise_m", self.view_noise_m, at_least=0.0, at_most=1000.0)
+            _require_number("view_radius_m", self.view_radius_m, None, 10_000.0)
+        _require_number("view_angle_deg", self.view_angle_deg, None, 360.0)
+        _require_number("view_noise_m", self.view_noise_m, 0.0, 1000.0)
         if self.policy == "capstone":
             # R9.1: capstone agents drive to the first of all alive targets, so they must see it
             for name, whole in (("view_radius_m", None), ("view_angle_deg", 360)):
                 value = getattr(self, name)
                 if value != whole:
                     raise ConfigError(f"{name} must be {whole} under the policy 'capstone', got {value!r}")
-
-    def _check_control(self) -> None:
-        if isinstance(self.control, str):
-            require_choice("control", self.control, get_args(Control))
-            return
-        if not isinstance(self.control, tuple):
-            raise ConfigError(
-                f"control must be one word, or a list with one word for each seat, got {with_type(self.control)}"
-            )
-        if len(self.control) != self.hunters:
-            raise ConfigError(f"control must have one word for each of {self.hunters} hunters, got {len(self.control)}")
-        for seat, word in enumerate(self.control):
-            require_choice(f"control[{seat}]", word, get_args(Control))
 
     def _check_poses(self) -> None:
         if self.hunter_poses is None:
@@ -287,14 +274,14 @@ class ArenaConfig:
             if not isinstance(pose, tuple) or len(pose) != 3:
                 raise ConfigError(f"hunter_poses[{seat}] must be (x, y, theta), got {pose!r}")
             for axis, value in zip("xy", pose[:2], strict=True):
-                _require_number(f"hunter_poses[{seat}].{axis}", value, at_least=0.0, at_most=self.side_m)
-            _require_number(f"hunter_poses[{seat}].theta", pose[2], at_least=-MAX_HEADING_RAD, at_most=MAX_HEADING_RAD)
+                _require_number(f"hunter_poses[{seat}].{axis}", value, 0.0, self.side_m)
+            _require_number(f"hunter_poses[{seat}].theta", pose[2], -MAX_HEADING_RAD, MAX_HEADING_RAD)
         # adding 0.0 turns -0.0 into 0.0, so that equal poses have equal digests
         poses = tuple((x + 0.0, y + 0.0, theta + 0.0) for x, y, theta in self.hunter_poses)
         object.__setattr__(self, "hunter_poses", poses)
 
     def _check_teams(self) -> None:
-        _require_number("team_share", self.team_share, at_least=0.0, at_most=1.0)
+        _require_number("team_share", self.team_share, 0.0, 1.0)
         if self.teams is not None:
             object.__setattr__(self, "teams", checked_teams(self.teams, self.hunters))
 
@@ -304,7 +291,7 @@ class ArenaConfig:
         if self.prey and self.target_budget is not None:
             raise ConfigError(f"target_budget must be None if the arena has prey, got {self.target_budget!r}")
         if self.prey_returns_s is not None:
-            _require_number("prey_returns_s", self.prey_returns_s, at_least=0.0, at_most=1e9)
+            _require_number("prey_returns_s", self.prey_returns_s, 0.0, 1e9)
 
     @property
     def controls(self) -> tuple[Control, ...]:
@@ -324,24 +311,24 @@ class ArenaConfig:
     @property
     def max_speeds(self) -> tuple[float, ...]:
         """R2.7: each seat's v_max [m/s]."""
-        return self._by_seat(self.max_speed_mps)
+        return self._for_each(self.max_speed_mps)
 
     @property
     def max_turn_rates(self) -> tuple[float, ...]:
         """R2.7: each seat's w_max [rad/s]."""
-        return self._by_seat(self.max_turn_rate_radps)
+        return self._for_each(self.max_turn_rate_radps)
 
     @property
     def reaches(self) -> tuple[float, ...]:
         """R2.7: each seat's reach [m]."""
-        return self._by_seat(self.reach_m)
+        return self._for_each(self.reach_m)
 
     @property
     def reaches_um(self) -> tuple[int, ...]:
         """R5.3: each seat's reach in whole micrometres."""
         return tuple(max(1, _micrometres(reach)) for reach in self.reaches)
 
-    def _by_seat(self, value: float | tuple[float, ...]) -> tuple[float, ...]:
+    def _for_each(self, value: float | tuple[float, ...]) -> tuple[float, ...]:
         return value if isinstance(value, tuple) else (value,) * self.hunters
 
     @property
@@ -489,24 +476,13 @@ def require_integer(name: str, value: object, low: int, high: int, high_is: str 
     return number
 
 
-def _require_number(
-    name: str,
-    value: object,
-    *,
-    at_most: float,
-    at_least: float | None = None,
-    above: float | None = None,
-    otherwise: str = "",
-) -> None:
-    low = f"above {above:g}" if above is not None else f"at least {at_least:g}"
+def _require_number(name: str, value: object, at_least: float | None, at_most: float) -> None:
+    """Raise ConfigError unless a number is at least `at_least`, or above 0 if that is None, and at most `at_most`."""
     number = real_number(value)
-    if number is None or not -math.inf < number < math.inf:
-        shown = with_type(value) if number is None else number
-        raise ConfigError(f"{name} must be a finite number {low}{otherwise}, got {shown}")
-    enough = number > above if above is not None else at_least is None or number >= at_least
-    if not (enough and number <= at_most):
-        shown = repr(number) if abs(number) < 1e300 else shortened(number)  # a whole number may have any length
-        raise ConfigError(f"{name} must be {low} and at most {at_most:g}{otherwise}, got {shown}")
+    if number is None or not (number > 0 if at_least is None else number >= at_least) or not number <= at_most:
+        low = "above 0" if at_least is None else f"at least {at_least:g}"
+        shown = with_type(value) if number is None else shortened(number)
+        raise ConfigError(f"{name} must be {low} and at most {at_most:g}, got {shown}")
 
 
 def require_flag(name: str, value: object) -> bool:
@@ -521,21 +497,11 @@ def checked_teams(teams: object, hunters: int) -> tuple[tuple[int, ...], ...]:
     """R11.1: return the teams with the seats of each sorted; raise ConfigError unless they name each seat once."""
     if not isinstance(teams, tuple) or not all(isinstance(team, tuple) for team in teams):
         raise ConfigError(f"teams must be a tuple of tuples of seats, such as ((0, 1), (2, 3)), got {teams!r}")
-    requirement = f"teams must name each seat from 0 to {hunters - 1} once"
-    seats: list[int] = []
-    for team in teams:
-        if not team:
-            raise ConfigError(f"{requirement}, and each team must have a seat, got {teams!r}")
-        for seat in team:
-            if type(seat) is not int:
-                raise ConfigError(f"{requirement}, got {with_type(seat)}")
-            if not 0 <= seat < hunters:
-                raise ConfigError(f"{requirement}, got {seat}")
-            if seat in seats:
-                raise ConfigError(f"{requirement}, got seat {seat} more than once")
-            seats.append(seat)
-    if missing := sorted(set(range(hunters)) - set(seats)):
-        raise ConfigError(f"{requirement}, got no team for seat {', '.join(map(str, missing))}")
+    seats = [seat for team in teams for seat in team]
+    if not all(teams) or not all(type(seat) is int for seat in seats) or sorted(seats) != list(range(hunters)):
+        raise ConfigError(
+            f"teams must name each seat from 0 to {hunters - 1} once, and each team must have a seat, got {teams!r}"
+        )
     return tuple(tuple(sorted(team)) for team in teams)
 
 

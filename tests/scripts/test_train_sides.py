@@ -203,7 +203,7 @@ def test_ctrl_c_is_one_line_and_keeps_the_last_evaluation(tmp_path):
         ("--self-play 2", "--self-play must be from 0 to 1, got 2.0"),
         ("--self-play nan", "--self-play must be from 0 to 1, got nan"),
         ("--entropy nan", "--entropy must be from 0 to 1, got nan"),
-        ("--progress nan", "rewards.progress must be a finite number"),
+        ("--progress nan", "rewards.progress must be at least -1e+06"),
         ("--decisions 0", "--decisions must be at least 1, got 0"),
         ("--hold 0", "--hold must be at least 1, got 0"),
         ("--arenas 8", "--arenas must be at least 16, got 8"),
