@@ -1,7 +1,5 @@
 """Folders that are made in advance, files that appear whole or not at all, and the errors if they cannot be written."""
 
-import codecs
-import errno
 import os
 import secrets
 import shutil
@@ -9,7 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
-from typing import IO, Final
+from typing import IO
 
 from rich.filesize import decimal
 
@@ -20,19 +18,15 @@ if sys.version_info >= (3, 11):  # all other modules import tomllib from here
 else:
     import tomli as tomllib  # noqa: F401
 
-_FULL: Final = {errno.ENOSPC, errno.EDQUOT}
-
 
 def regular_file(path: Path) -> Path:
     """Return the path of a regular file, existing or not, with links followed.
 
     Raises:
-        OutputError: for a device, a folder, or a link that leads to itself.
+        OutputError: for a device or a folder.
     """
     try:
         target = Path(os.path.realpath(path))
-        if target.is_symlink():
-            raise OSError(errno.ELOOP, os.strerror(errno.ELOOP))
         if target.exists() and not target.is_file():
             raise OutputError(f"{path}: cannot be written: is not a regular file")
     except OSError as error:
@@ -47,23 +41,12 @@ def read_text(path: Path) -> str:
         OSError: if it cannot be read.
         ConfigError: for another encoding.
     """
-    content = path.read_bytes()
-    if (fault := wide_text_fault(content)) is not None:
-        raise ConfigError(f"{path}: {fault}")
     try:
-        return content.decode("utf-8-sig")
+        return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         raise ConfigError(
             f"{path}: must be text in UTF-8, but byte {error.start + 1} is not: save the file as UTF-8"
         ) from None
-
-
-def wide_text_fault(content: bytes) -> str | None:
-    """Return an error text for UTF-16, with or without a byte order mark; None for other content."""
-    two_bytes_each = len(content) % 2 == 0 and b"\0" in content[:2]
-    if two_bytes_each or content.startswith((codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)):
-        return "is text in UTF-16: save it as UTF-8"
-    return None
 
 
 def write_whole(path: Path, content: bytes, *, private: bool = False) -> None:
@@ -77,7 +60,7 @@ def write_whole(path: Path, content: bytes, *, private: bool = False) -> None:
     Raises:
         OutputError: if it cannot be written.
     """
-    with unfinished_file(path, size=len(content), private=private) as unfinished:
+    with unfinished_file(path, private=private) as unfinished:
         unfinished.write_bytes(content)
 
 
@@ -93,14 +76,13 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
 
 
 @contextmanager
-def unfinished_file(path: Path, *, size: int | None = None, ending: str = "", private: bool = False) -> Iterator[Path]:
+def unfinished_file(path: Path, *, ending: str = "", private: bool = False) -> Iterator[Path]:
     """Create an empty file next to a file; it replaces that file at the end, or is removed after an error.
 
     It has the permissions of the file that it replaces, or the umask's for a new file.
 
     Args:
         path: the file to write.
-        size: the number of bytes that will be written, if known; used in errors.
         ending: the end of the temporary name. The name has no part of the file's, which may be of maximal length.
         private: see `write_whole`.
 
@@ -118,7 +100,7 @@ def unfinished_file(path: Path, *, size: int | None = None, ending: str = "", pr
             shutil.copymode(target, unfinished)
         unfinished.replace(target)
     except OSError as error:
-        raise unwritable(path, error, size) from None
+        raise unwritable(path, error) from None
     finally:
         with suppress(OSError):  # it has its name, or was not created
             unfinished.unlink()
@@ -145,28 +127,9 @@ def prepare_folder(folder: Path) -> Path:
     return folder
 
 
-def require_folder(folder: Path) -> None:
-    """Require that a folder can be made, without making it.
-
-    Raises:
-        OutputError: if it cannot be written.
-    """
-    there = next(path for path in (folder.absolute(), *folder.absolute().parents) if os.path.lexists(path))
-    if not there.is_dir() or not os.access(there, os.W_OK):
-        prepare_folder(folder)  # raises the reason
-
-
-def unwritable(path: Path, error: Exception, size: int | None = None) -> OutputError:
-    """Return the error for a file that cannot be written; if the disk is full, with the free space.
-
-    Args:
-        path: the file or folder to write.
-        error: the exception that was raised.
-        size: the number of bytes to write, if known.
-    """
-    full = getattr(error, "errno", None) in _FULL
-    why = f"the disk is full: {room(path.parent, size)}" if full else getattr(error, "strerror", None) or error
-    return OutputError(f"{path}: cannot be written: {why}")
+def unwritable(path: Path, error: Exception) -> OutputError:
+    """Return the error for a file or folder that cannot be written, with the reason of an exception."""
+    return OutputError(f"{path}: cannot be written: {getattr(error, 'strerror', None) or error}")
 
 
 def room(folder: Path, size: int | None = None) -> str:

@@ -26,7 +26,7 @@ from catch_arena.cli.outputs import REPLAY, Force, output_option, require_free, 
 from catch_arena.cli.progress import match_counter, noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo, own_console
 from catch_arena.errors import ConfigError, OutputError
-from catch_arena.files import prepare_folder, require_folder
+from catch_arena.files import prepare_folder
 from catch_arena.policy import Side
 from catch_arena.seeding import arena_seed
 from catch_arena.tournament.entrants import Entrant
@@ -181,7 +181,7 @@ def _require_free_folder(out: Path, parties: Parties, *, recorded: bool, force: 
     """Check that a folder has no files of another tournament, or that `force` allows to replace them.
 
     Raises:
-        OutputError: for a folder with such files, or one that cannot be written to.
+        OutputError: for a folder with such files.
     """
     from catch_arena.report import REPORT
     from catch_arena.tournament.execution.runner import REPLAYS
@@ -193,7 +193,6 @@ def _require_free_folder(out: Path, parties: Parties, *, recorded: bool, force: 
         raise OutputError(
             f"{out / REPLAYS}: already contains replays; use --force to replace them, or choose another folder"
         )
-    require_folder(out)
 
 
 def _print_standings(tables: "dict[Side, list[Standing]]", entrants: tuple[Entrant, ...]) -> None:

@@ -13,13 +13,11 @@ from types import ModuleType
 from typing import Final
 
 from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
-from catch_arena.files import wide_text_fault
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.tournament.agent_spec import (
     COMMAND,
     IN_FOLDER,
     SHIPPED,
-    content_of,
     file_of,
     folder_of,
     ladder_names,
@@ -30,6 +28,8 @@ NOT_INSTALLED: Final = "which is not installed here"
 """Part of the error for a missing module that an agent imports."""
 _PREY: Final = "Prey"
 """Name of the class of an agent that plays prey."""
+_ENCODING_ERRORS: Final = ("'utf-8' codec", "Non-UTF-8", "null bytes")
+"""Parts of Python's errors about a source file in another encoding than UTF-8."""
 _FILE_MODULE: Final = "catch_arena_agent_"
 """Prefix of the name of the module in an agent's file."""
 
@@ -156,10 +156,9 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
             spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         del sys.modules[name]
-        fault = wide_text_fault(content_of(str(path)) or b"")
-        if isinstance(error, SyntaxError) and ("'utf-8' codec" in str(error) or "Non-UTF-8" in str(error)):
-            fault = fault or "is not UTF-8: save it as UTF-8"
-        why = fault or _why_not_imported(error, path.stem, path.parent if folder is None else None)
+        why = _why_not_imported(error, path.stem, path.parent if folder is None else None)
+        if isinstance(error, SyntaxError | ValueError) and any(words in str(error) for words in _ENCODING_ERRORS):
+            why = "is not UTF-8: save it as UTF-8"
         raise AgentError(f"{path}: {why}") from error
     return module
 

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from catch_arena import Replay
+
 QUICK = ["-s", "duel", "--set", "time_limit_s=3", "--trusted"]
 MODULE = """
 print("one")
@@ -32,6 +34,18 @@ def run(folder, *words, **options):
         check=False,
         **({"stdout": subprocess.PIPE} | options),
     )
+
+
+@pytest.mark.parametrize(
+    "change", ["os.chdir('/')", "sys.stdout = sys.stderr = open(os.devnull, 'w')", "sys.path.clear()"]
+)
+def test_the_import_of_a_trusted_agent_moves_and_silences_nothing(tmp_path, change):
+    (tmp_path / "dé.py").write_text(f"import os, sys\n{change}\n{MODULE}", encoding="utf-8")
+    done = run(tmp_path, "match", "dé.py", "idle", *QUICK, "-o", "m.replay", "--seed", "1")
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "dé (hunter_0)" in done.stdout
+    assert done.stdout.endswith("seed: 1\nreplay: m.replay\n")
+    assert Replay.load(tmp_path / "m.replay").names == ("dé", "idle")
 
 
 SPEC = """
@@ -104,18 +118,15 @@ def test_a_working_folder_that_was_deleted_is_one_line(tmp_path):
     ("words", "why"),
     [
         (["match", "loop.py", "idle"], "loop.py: is a link that leads to no file"),
-        (["match", "idle", "idle", "-o", "loop.replay"], "loop.replay: cannot be written: Too many levels of "),
-        (["tournament", "idle", "idle", "--out", "loop"], "loop: cannot be written: is not a folder"),
         (["report", "loop"], "loop: holds no tournament"),
         (["mosaic", "loop", "-o", "x.mp4"], "loop: is not a folder"),
         (["match", "idle", "idle", "-o", 300 * "x" + ".replay"], "x.replay: cannot be written: File name too long"),
-        (["ros", "import", "loop.mp4"], "loop.mp4: cannot be written: Too many levels of symbolic links"),
     ],
 )
 def test_a_name_that_leads_nowhere_is_one_line(tmp_path, words, why):
-    for name in ("loop", "loop.py", "loop.replay", "loop.mp4"):
+    for name in ("loop", "loop.py"):
         (tmp_path / name).symlink_to(name)
-    done = run(tmp_path, *words, *(QUICK if words[0] in {"match", "tournament"} else ()))
+    done = run(tmp_path, *words, *(QUICK if words[0] == "match" else ()))
     assert (done.returncode, done.stdout) == (2, "")
     assert why in done.stderr
     assert len(done.stderr.splitlines()) == 1

@@ -55,7 +55,7 @@ def test_a_file_in_another_encoding_is_told_which(tmp_path, encoding):
     """Trusted or not."""
     path = tmp_path / "mine.py"
     path.write_text(HOLDS, encoding=encoding)
-    why = f"{path}: is text in {encoding[:6].upper()}: save it as UTF-8"
+    why = f"{path}: is not UTF-8: save it as UTF-8"
     with pytest.raises(AgentError, match=f"^{re.escape(why)}$"):
         enter([str(path)])
     with Sandbox(Quotas()) as sandbox:

@@ -36,8 +36,7 @@ def test_a_store_that_cannot_grow_is_one_line_and_is_resumed(catch_arena):
         stopped = catch_arena(*TOURNAMENT, "--out", "o")
     assert stopped.exit_code == 2
     error = re.fullmatch(
-        rf"error: o/tournament\.sqlite: cannot be used: disk I/O error; {KEPT.format('o')}
-",
+        rf"error: o/tournament\.sqlite: cannot be used: disk I/O error; {KEPT.format('o')}\n",
         PROGRESS.sub("", stopped.stderr),
     )
     assert error, stopped.stderr

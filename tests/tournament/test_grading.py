@@ -252,8 +252,8 @@ def test_a_spec_that_cannot_be_is_one_line(tmp_path, monkeypatch, change, messag
 @pytest.mark.parametrize(
     ("encoding", "why"),
     [
-        ("utf-16", "is text in UTF-16: save it as UTF-8"),
-        ("utf-16-le", "is text in UTF-16: save it as UTF-8"),
+        ("utf-16", "must be text in UTF-8, but byte 1 is not: save the file as UTF-8"),
+        ("utf-16-le", "must be text in UTF-8, but byte 19 is not: save the file as UTF-8"),
         ("latin-1", "must be text in UTF-8, but byte 10 is not: save the file as UTF-8"),
     ],
 )

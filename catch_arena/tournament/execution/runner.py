@@ -121,7 +121,7 @@ def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one
                 if file.tell() < MOST_BYTES:
                     file.write(f"{text}\n".encode())
         except OSError as error:
-            raise unwritable(path, error, len(text)) from None
+            raise unwritable(path, error) from None
 
 
 def log_file(folder: Path, name: str) -> Path:
