@@ -12,7 +12,6 @@ from catch_arena.cli.terminal import own_console
 from catch_arena.errors import MatchFailedError, OutputError, StoreError
 
 _LINE_EVERY_S: Final = 5.0
-_LATE_S: Final = 2.0
 
 
 @contextmanager
@@ -24,13 +23,16 @@ def progress_bar(description: str, total: int | None = None) -> Iterator[Callabl
 
     Args:
         description: the work, in a few words.
-        total: total amount of work, if it is known before. Without it, the bar appears after two seconds.
+        total: total amount of work, if it is known before.
     """
     console = own_console(err=True)
     began_s = last_line_s = time.monotonic()
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn())
     # with redirection, Rich would print stdout's text on stderr even if stdout is a file or a pipe
-    bar = Progress(*columns, console=console, transient=True, redirect_stdout=own_console().is_terminal)
+    redirected = own_console().is_terminal
+    bar = Progress(
+        *columns, console=console, transient=True, redirect_stdout=redirected, disable=not console.is_terminal
+    )
     task = bar.add_task(description, total=total)
 
     def show(done: int, total: int, doing: str = description) -> None:
@@ -38,21 +40,14 @@ def progress_bar(description: str, total: int | None = None) -> Iterator[Callabl
         now = time.monotonic()
         if console.is_terminal:
             bar.update(task, completed=done, total=total, description=doing)
-            if now - began_s >= _LATE_S:
-                bar.start()
         elif now - last_line_s >= _LINE_EVERY_S:
             last_line_s = now
             left = f", about {(now - began_s) * (total - done) / done:.0f} s left" if done else ""
             line = f"{doing}: {done} of {total}, {now - began_s:.0f} s{left}"
             console.print(line, soft_wrap=True)
 
-    try:
-        if console.is_terminal and total is not None:
-            bar.start()
+    with bar:
         yield show
-    finally:
-        if console.is_terminal:
-            bar.stop()
 
 
 def match_counter(total: int, show: Callable[..., None]) -> Callable[[Sized], None]:
