@@ -125,7 +125,7 @@ def tournament(
     if new:
         _require_free_folder(out, parties, recorded=record, force=force)
         cost = measure_cost(worker, plan)
-        own_console(err=True).print(plan_table(plan, worker, cost, jobs, max_forfeits))
+        own_console(err=True).print(plan_table(plan, len(entrants), cost, jobs))
     prepare_folder(out / REPLAYS if record else out)
 
     with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():

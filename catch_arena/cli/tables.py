@@ -10,10 +10,7 @@ from rich.table import Table
 
 from catch_arena.cli.terminal import plain_table
 from catch_arena.policy import Side
-from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.execution.cost import Cost, match_counts
-from catch_arena.tournament.execution.executors import Worker
-from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan, UntilSeparated
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.standings import Standing
@@ -54,38 +51,18 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
     return shown
 
 
-def plan_table(plan: Plan, worker: Worker, cost: Cost | None, jobs: int, max_forfeits: int) -> Table:
+def plan_table(plan: Plan, entrants: int, cost: Cost | None, jobs: int) -> Table:
     """Return the plan and, if known, its cost."""
     shown = Table(box=None, show_header=False, pad_edge=False)
     shown.add_row("plan", ", ".join(f"{name} {value}" for name, value in plan.parameters.items()))
     shown.add_row("matches", f"{'at most ' if isinstance(plan, UntilSeparated) else ''}{plan.size}")
-    most_matches = plan.size
     if not isinstance(plan, UntilSeparated):
-        played, met = match_counts(plan, len(worker.entrants))
-        most_matches = played[1]
+        played, met = match_counts(plan, entrants)
         shown.add_row("an agent plays", f"{_number_range(*played)} matches")
         shown.add_row("a pair meets in", f"{_number_range(*met)} matches")
     if cost is not None:
         _add_cost(shown, plan.size, cost, jobs)
-    _add_delays(shown, worker, most_matches, max_forfeits)
     return shown
-
-
-def _add_delays(shown: Table, worker: Worker, matches: int, max_forfeits: int) -> None:
-    """Add the longest times that an isolated agent can take; `matches` is the largest number that one plays."""
-    quotas = worker.quotas
-    if quotas is None or all(is_shipped(entrant.spec) for entrant in worker.entrants):
-        return
-    in_block = Parties.of(worker.config).block_size  # exclusion is checked at the end of a block
-    until_out = min(-(-max_forfeits // in_block) * in_block, matches) if max_forfeits else matches
-    hanging_s = quotas.init_s + quotas.step_ms / 1000.0 + quotas.bank_s
-    all_s = until_out * hanging_s
-    then = ", then excluded" if until_out < matches else ""
-    once = duration(hanging_s)
-    shown.add_row("an agent that hangs", f"up to {once} per match: {duration(all_s)} for {until_out}{then}")
-    slow_s = quotas.init_s + worker.config.max_steps * quotas.step_ms / 1000.0 + quotas.bank_s
-    once, all_s = duration(slow_s), matches * slow_s
-    shown.add_row("a slow agent", f"up to {once} per match: {duration(all_s)} for {matches}, no forfeit")
 
 
 def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int) -> None:

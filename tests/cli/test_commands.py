@@ -246,20 +246,6 @@ def test_an_interrupt_before_the_first_match_leaves_nothing(catch_arena, tmp_pat
     assert not list(tmp_path.iterdir())
 
 
-def test_a_plan_says_what_an_agent_that_hangs_could_cost(catch_arena, tmp_path):
-    """30 s to begin, a step of 20 ms and a bank of 0.1 s; 30 steps if it is only slow."""
-    (tmp_path / "mine.py").write_text(SPOKEN)
-    words = ["tournament", "mine.py", "mine.py", "nearest", *QUICK, "--rounds", "5", "--jobs", "1"]
-    words += ["--limit", "init_s=30", "--limit", "step_ms=20", "--limit", "bank_s=0.1", "--max-forfeits", "3"]
-    stderr = catch_arena(*words).stderr
-    for line in (
-        r"hangs +up to 30\.1 s per match: 0:02:00 for 4, then excluded",
-        r"a slow agent +up to 30\.7 s per match: 0:10:14 for 20, no forfeit",
-    ):
-        assert re.search(line, stderr, re.MULTILINE), stderr
-    assert "hangs" not in catch_arena(*words[:1], "nearest", "idle", *QUICK, "--out", "o").stderr
-
-
 def test_who_was_out_is_told(catch_arena):
     words = [
         str(BAD / "crashes.py"),

@@ -13,7 +13,7 @@ from pathlib import Path
 
 PATIENCE_S = 240.0
 """What takes longer hangs."""
-_PLAN = "plan|matches|an agent plays|a pair meets in|time|store|replays|an agent that hangs|a slow agent"
+_PLAN = "plan|matches|an agent plays|a pair meets in|time|store|replays"
 PROGRESS = re.compile(rf"^((playing|loading agents|isolation): .+\n|({_PLAN})  +.+\n( {{10,}}.+\n)*)", re.MULTILINE)
 """What a command prints on stderr before and while it plays: the level of isolation, the plan, and how far it is."""
 LINE = re.compile(
