@@ -7,7 +7,7 @@ description. The core makes tuples of these fields.
 
 import math
 from collections.abc import Callable, Iterator
-from functools import lru_cache, wraps
+from functools import lru_cache
 from itertools import chain
 from typing import Annotated, Any, Final, NamedTuple
 
@@ -256,21 +256,10 @@ def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[
     return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
 
 
-def _cached(make: Callable[[ArenaConfig], tuple[Column, ...]]) -> Callable[[ArenaConfig], tuple[Column, ...]]:
-    """Cache the columns of each config, since a tournament makes an env for each match."""
-    kept = lru_cache(maxsize=16)(make)
-
-    @wraps(make)
-    def checked(config: ArenaConfig) -> tuple[Column, ...]:
-        require_type("config", config, ArenaConfig, "scenario(name)")
-        return kept(config)
-
-    return checked
-
-
-@_cached
+@lru_cache(maxsize=16)  # a tournament makes an env for each match
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
+    require_type("config", config, ArenaConfig, "scenario(name)")
     return (
         *_columns_of(SelfFeatures, config),
         *_numbered("target", range(1, config.targets_seen + 1), _columns_of(target_features(config), config)),
@@ -278,9 +267,10 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
     )
 
 
-@_cached
+@lru_cache(maxsize=16)
 def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R12.4: return the columns of prey's observation in order; () if there is no prey."""
+    require_type("config", config, ArenaConfig, "scenario(name)")
     if not config.prey:
         return ()
     hunter, other = (
@@ -308,9 +298,10 @@ STATE_PREY_COLUMNS: Final = ("alive", *_STATE_BODY, "times_caught", "withdrawn")
 """R7.3: columns of the global state for each prey, by index."""
 
 
-@_cached
+@lru_cache(maxsize=16)
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R7.3: return the columns of the global state, in the world frame."""
+    require_type("config", config, ArenaConfig, "scenario(name)")
     hunter, target, prey = (
         {column.name: column for column in chain.from_iterable(_columns_of(table, config) for table in tables)}
         for tables in ((SelfFeatures,), (TargetFeatures, PreySelfFeatures), (PreySelfFeatures,))
