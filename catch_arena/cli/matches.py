@@ -22,7 +22,7 @@ from catch_arena.cli.options import (
     print_missing_prey,
     print_seed,
 )
-from catch_arena.cli.outputs import REPLAY, Force, output_option, require_free, reserve_file, reserve_free_file
+from catch_arena.cli.outputs import REPLAY, Force, output_option, reserve_file, reserve_free_file
 from catch_arena.cli.progress import match_counter, noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo, own_console
 from catch_arena.errors import ConfigError, OutputError
@@ -90,7 +90,7 @@ def tournament(
     resume: Resume = False,
     force: Annotated[
         bool,
-        typer.Option("--force", help="Replace standings, a report and replays in DIR, if no tournament is kept there."),
+        typer.Option("--force", help="Write into DIR even if it has files of another origin."),
     ] = False,
     record: Annotated[bool, typer.Option("--record", help="Also save a replay of each match, in DIR/replays.")] = False,
     watch: Annotated[bool, typer.Option("--watch", help="Serve a live report on 127.0.0.1, until Ctrl-C.")] = False,
@@ -123,7 +123,8 @@ def tournament(
     about = Tournament(config, entrants, plan.parameters, secret.text, terms_of(quotas, max_forfeits, recorded=record))
     new = not (out / STORE).exists()
     if new:
-        _require_free_folder(out, parties, recorded=record, force=force)
+        if not force and out.is_dir() and any(out.iterdir()):
+            raise OutputError(f"{out}: has other files; use --force to write into it, or choose another folder")
         cost = measure_cost(worker, plan)
         own_console(err=True).print(plan_table(plan, len(entrants), cost, jobs))
     prepare_folder(out / REPLAYS if record else out)
@@ -175,24 +176,6 @@ def _plan(
     if max_matches is not None and (a_round := plan.size // int(plan.parameters["rounds"])) > max_matches:
         raise ConfigError(f"--max-matches must be at least {a_round}, the matches of one round, got {max_matches}")
     return plan
-
-
-def _require_free_folder(out: Path, parties: Parties, *, recorded: bool, force: bool) -> None:
-    """Check that a folder has no files of another tournament, or that `force` allows to replace them.
-
-    Raises:
-        OutputError: for a folder with such files.
-    """
-    from catch_arena.report import REPORT
-    from catch_arena.tournament.execution.runner import REPLAYS
-    from catch_arena.tournament.export import SUMMARY, TABLES
-
-    for name in (*(TABLES[side] for side in parties.sides), SUMMARY, REPORT):
-        require_free(out / name, force=force)
-    if recorded and not force and any((out / REPLAYS).glob("*.replay")):
-        raise OutputError(
-            f"{out / REPLAYS}: already contains replays; use --force to replace them, or choose another folder"
-        )
 
 
 def _print_standings(tables: "dict[Side, list[Standing]]", entrants: tuple[Entrant, ...]) -> None:

@@ -1,7 +1,7 @@
 """`catch-arena report` and `export`: the page of a tournament, and a file with its matches for other tools."""
 
 from pathlib import Path
-from typing import Annotated, Final, Literal
+from typing import Annotated, Literal
 
 import typer
 
@@ -13,8 +13,6 @@ from catch_arena.errors import ConfigError
 from catch_arena.tournament.store import Store
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
-_FORMATS: Final = {".jsonl": "jsonl", ".csv": "csv", ".parquet": "parquet", ".json": "jsonl"}
-"""Formats of an export, by the ending of its file's name."""
 _MOST_MB = 1000
 
 
@@ -81,11 +79,11 @@ def export(
     from catch_arena.tournament.export import export as write
 
     with Store.read(folder) as store:
-        reserve_file(output, *_FORMATS, force=force)
-        named = _FORMATS[output.suffix.lower()]
-        if form not in {named, None} and output.suffix.lower() != ".json":
+        reserve_file(output, ".jsonl", ".csv", ".parquet", force=force)
+        named = output.suffix.lower().removeprefix(".")
+        if form not in {named, None}:
             raise ConfigError(
                 f"--format must match the ending of the file's name, or be left out, got {form} for {output.name}"
             )
-        write(store, form or named, output, timing=timing)
+        write(store, named, output, timing=timing)
         echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")
