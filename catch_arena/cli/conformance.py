@@ -98,10 +98,7 @@ def _function(spec: str) -> Any:
     """Return the arbiter that «module:function» or «path.py:function» names."""
     found = _callable(spec)
     if isinstance(found, type):
-        raise AgentError(
-            f"{spec}: is a class, but an arbiter is a function; "
-            "use `catch-arena check-agent` for an agent, and --arena for an arena"
-        )
+        raise AgentError(f"{spec}: is a class, but an arbiter is a function; check agents with check-agent")
     return found
 
 
@@ -117,8 +114,7 @@ def _make(spec: str) -> Any:
 def _callable(spec: str) -> Any:
     """Return the function or class that «module:function» or «path.py:function» names."""
     module_name, colon, name = spec.rpartition(":")
-    is_module = module_name.endswith(".py") or not Path(module_name).is_file()
-    if not (module_name and colon and name and is_module):
+    if not (module_name and colon and name):
         raise AgentError(f"{spec}: must be module:function or path.py:function")
     if module_name.endswith(".py"):
         if not Path(module_name).is_file():
@@ -129,7 +125,6 @@ def _callable(spec: str) -> Any:
         module = load_module(module_name)
     found = getattr(module, name, None)
     if not callable(found):
-        loaded = vars(module)  # a module may load other names on demand, or fail to
-        known = [key for key in dir(module) if not key.startswith("_") and callable(loaded.get(key, callable))]
-        raise AgentError(f"{spec}: has no function {name}{'; ' + suggest(name, known) if known else ''}")
+        known = [other for other in dir(module) if not other.startswith("_")]
+        raise AgentError(f"{spec}: has no function {name}; {suggest(name, known)}")
     return found

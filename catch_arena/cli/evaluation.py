@@ -39,7 +39,7 @@ class Duel(Arena):
 @main.command()
 def compare(
     agents: Annotated[
-        list[str], typer.Argument(metavar="A B", help="The new agent, and the agent that it should beat.")
+        tuple[str, str], typer.Argument(metavar="A B", help="The new agent, and the agent that it should beat.")
     ],
     *,
     against: Annotated[
@@ -64,10 +64,6 @@ def compare(
 
     config, quotas = arena.config(), trust.quotas()
     secret = Secret.of(None) if seed is None else Secret.parse(seed)
-    if len(agents) != 2:
-        raise ConfigError(
-            f"number of agents must be 2, A and B, got {len(agents)}; give their opponents with --against"
-        )
     if not elo0 < elo1:
         raise ConfigError(f"--elo1 must be above --elo0, got {elo1:g} and {elo0:g}")
     test = Sprt(share_of_elo(elo0), share_of_elo(elo1))

@@ -88,8 +88,7 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["nearest"], "number of agents must be 2, A and B, got 1"),
-        (["nearest", "idle", "first"], "give their opponents with --against"),
+        (["nearest"], "argument 'agents' takes 2 values"),
         (["nearest", "idle", "--elo0", "30"], "--elo1 must be above --elo0, got 20 and 30"),
         (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),
         (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
