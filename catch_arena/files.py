@@ -9,8 +9,6 @@ from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import IO
 
-from rich.filesize import decimal
-
 from catch_arena.errors import ConfigError, OutputError
 
 if sys.version_info >= (3, 11):  # all other modules import tomllib from here
@@ -130,12 +128,3 @@ def prepare_folder(folder: Path) -> Path:
 def unwritable(path: Path, error: Exception) -> OutputError:
     """Return the error for a file or folder that cannot be written, with the reason of an exception."""
     return OutputError(f"{path}: cannot be written: {getattr(error, 'strerror', None) or error}")
-
-
-def room(folder: Path, size: int | None = None) -> str:
-    """Return the free space in a folder in words, and the `size` that is needed, if given."""
-    try:
-        free = decimal(shutil.disk_usage(folder).free)
-    except OSError:
-        return f"the free space in {folder} is unknown"
-    return f"{free} are free in {folder}" + ("" if size is None else f", and {decimal(size)} are needed")
