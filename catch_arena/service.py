@@ -334,11 +334,11 @@ class ArenaService:
 
 def _require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
     """Raise ActionError unless (x, y) is in the arena [m] and theta is at most 1000 rad, either way."""
-    for axis, value in (("x", x), ("y", y)):
+    for name, value, low, high in (
+        ("x", x, 0.0, config.side_m),
+        ("y", y, 0.0, config.side_m),
+        ("theta", theta, -MAX_HEADING_RAD, MAX_HEADING_RAD),
+    ):
         number = real_number(as_python(value))
-        if number is None or not 0.0 <= number <= config.side_m:
-            raise ActionError(f"spawn: {axis} must lie in [0, {config.side_m:g}], got {value!r}")
-    angle = real_number(as_python(theta))
-    if angle is None or not -MAX_HEADING_RAD <= angle <= MAX_HEADING_RAD:
-        limits = f"[{-MAX_HEADING_RAD:g}, {MAX_HEADING_RAD:g}]"
-        raise ActionError(f"spawn: theta must lie in {limits}, got {theta!r}")
+        if number is None or not low <= number <= high:
+            raise ActionError(f"spawn: {name} must lie in [{low:g}, {high:g}], got {value!r}")
