@@ -16,12 +16,11 @@ from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, ente
 from catch_arena.cli.outputs import REPLAY, Force, reserve_file
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import AgentError, ConfigError
+from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.opening import is_service
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.seeding import arena_seed
 from catch_arena.text import name_fault, shortened
-from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.parties import Parties
 
 if TYPE_CHECKING:
@@ -96,9 +95,9 @@ def serve(
     agents = {number: driver for number, driver in sorted(seats.items()) if not _is_node(driver)}
     quotas = trust.quotas()
     reserve_file(record, REPLAY, force=force)
+    entrants = dict(zip(agents, enter_agents(list(agents.values()), quotas), strict=True)) if agents else {}
     if scenario is None:
         echo(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
-    entrants = dict(zip(agents, enter_agents(list(agents.values()), quotas), strict=True)) if agents else {}
     names = [
         entrants[number].name if number in entrants else seats.get(number, NODE).partition(":")[2] or f"node_{number}"
         for number in range(config.hunters)
@@ -287,7 +286,7 @@ def _seats(options: list[str]) -> dict[int, str]:
     """Return the driver of each hunter, by seat, from the --seat options.
 
     Raises:
-        ConfigError: for an option that is not SEAT=DRIVER, that repeats a seat, or whose driver is invalid.
+        ConfigError: for an option that is not SEAT=DRIVER, that repeats a seat, or whose driver has an invalid name.
     """
     seats: dict[int, str] = {}
     for option in options:
@@ -298,13 +297,6 @@ def _seats(options: list[str]) -> dict[int, str]:
             raise ConfigError(f"--seat {number} must be given once, got {seats[int(number)]} and {driver}")
         if fault := name_fault(driver):
             raise ConfigError(f"--seat {number}: {fault}")
-        if not _is_node(driver):
-            try:
-                resolve(driver)
-            except AgentError as error:
-                raise ConfigError(
-                    f"--seat {number}: {error}; use {NODE} for a node, and {HUMAN} for a person"
-                ) from None
         seats[int(number)] = driver
     return seats
 

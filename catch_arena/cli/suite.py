@@ -122,8 +122,6 @@ def suite(
             echo(f"an interval needs {FEWEST_RUNS} training runs")
     if not known:
         echo(f"there are no reference scores for {chosen.name} {chosen.digest}")
-    if quick:
-        echo("NOT the protocol: leave out --quick for figures that others can compare with")
     if json is not None:
         figures: dict[str, Any] = {"agents": [facts_of(chosen, measures, known) for measures in measured]}
         if runs:
