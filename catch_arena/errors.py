@@ -10,9 +10,6 @@ from difflib import get_close_matches
 class CatchArenaError(Exception):
     """Base class of all errors that Catch Arena raises on purpose."""
 
-    hint = ""
-    """Advice in one line, if the message has none."""
-
 
 class ConfigError(CatchArenaError, ValueError):
     """An invalid setting, scenario or option."""
@@ -51,16 +48,7 @@ class OutputError(CatchArenaError):
 
 
 class BusError(CatchArenaError):
-    """A ROS 2 bus that cannot be reached, or on which a request cannot be answered.
-
-    Args:
-        message: what is wrong.
-        hint: advice in one line, if the message has none.
-    """
-
-    def __init__(self, message: str, hint: str = "") -> None:
-        super().__init__(message)
-        self.hint = hint
+    """A ROS 2 bus that cannot be reached, or on which a request cannot be answered."""
 
 
 def require_type(name: str, value: object, kind: type, made_by: str) -> None:

@@ -63,7 +63,7 @@ class _AllCommands(Commands):
                 sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False, "terminal_width": width}))
         except CatchArenaError as error:
             if not interrupts.was_interrupted():  # an error after Ctrl-C is expected
-                _print_error(str(error), error.hint)
+                _print_error(str(error))
         except _UsageError as error:
             context: Any = getattr(error, "ctx", None)
             if type(error).__name__ == "NoArgsIsHelpError":

@@ -58,7 +58,7 @@ def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[s
         facts.append(f"interfaces: {types.turtle_array.name}: {turtles.name}, each {describe_type(types.turtle)}")
     except BusError as error:
         types = given
-        problems.append(f"{error}: {error.hint}" if error.hint else str(error))
+        problems.append(str(error))
     graph = bus.graph()
     if graph is None:
         facts.append(f"works over {bus.backend}: {_WORKS[bus.backend]}")

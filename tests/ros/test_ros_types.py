@@ -125,11 +125,11 @@ def test_what_is_missing_or_ambiguous_is_told_with_what_the_file_holds(package, 
     with pytest.raises(BusError) as error:
         package_types("mine", Interfaces())
     assert str(error.value).startswith(why)
-    assert f"build {'the package' if ' has ' in why else 'mine'} again" in error.value.hint
+    assert f"build {'the package' if ' has ' in why else 'mine'} again" in str(error.value)
 
 
 def test_a_package_that_is_not_built_is_one_line():
-    with pytest.raises(BusError, match=r"^none_such has no srv that this Python can import$"):
+    with pytest.raises(BusError, match=r"^none_such has no srv that this Python can import: build your package"):
         package_types("none_such", Interfaces())
 
 
@@ -158,11 +158,11 @@ def test_where_none_fits_the_nearest_are_told_with_what_they_hold(package, monke
     monkeypatch.setattr(ros_types, "_packages", lambda: iter(["leds", "mine"]))
     with pytest.raises(BusError) as error:
         fitting_packages(Interfaces())
-    assert str(error.value) == (
-        "mine/srv/CatchTurtle_Request has int64 id: it needs one text named name, or only one text"
+    assert str(error.value).startswith(
+        "mine/srv/CatchTurtle_Request has int64 id: it needs one text named name, or only one text; correct the file"
     )
     monkeypatch.setattr(ros_types, "_packages", lambda: iter(["leds"]))
-    with pytest.raises(BusError, match=r"^my_robot_interfaces has no srv that this Python can import$"):
+    with pytest.raises(BusError, match=r"^my_robot_interfaces has no srv that this Python can import: build"):
         fitting_packages(Interfaces())
 
 
@@ -178,9 +178,8 @@ def test_the_types_that_a_node_uses_come_before_those_of_packages(package, monke
     used = [Endpoint("/mine", "client", "/catch_turtle", "b/srv/CatchTurtle")]
     assert found_types(Interfaces(), lambda: used).package == "b"
     assert found_types(Interfaces("a"), lambda: used).package == "a"
-    with pytest.raises(BusError, match=r"^several packages have a catch service: a, b$") as error:
+    with pytest.raises(BusError, match=r"^several packages have a catch service: a, b; choose one"):
         found_types(Interfaces(), list)
-    assert error.value.hint == "choose one, such as --interfaces a"
 
 
 def test_turtlesim_has_another_package_from_kilted_on(package):

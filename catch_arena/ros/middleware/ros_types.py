@@ -78,8 +78,8 @@ def found_types(given: Interfaces, graph: Callable[[], Sequence[Endpoint]]) -> I
             return next(iter(found.values()))
         if time.monotonic() >= end:
             raise BusError(
-                f"several packages have a catch service: {', '.join(found)}",
-                f"choose one, such as --interfaces {next(iter(found))}",
+                f"several packages have a catch service: {', '.join(found)}; "
+                f"choose one, such as --interfaces {next(iter(found))}"
             )
         time.sleep(0.1)
 
@@ -123,7 +123,7 @@ def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
         found.pop(OWN_PACKAGE, None)
     if not found:
         near = [fault for package, fault in faults.items() if _is_near(fault, package)]
-        raise BusError("; ".join(near), _CORRECT) if near else _not_built(given.package, "srv")
+        raise BusError(near[0]) if near else _not_built(given.package, "srv")
     return found
 
 
@@ -174,9 +174,9 @@ def _only(package: str, folder: str, usual: str, match: Any) -> Any:
         return likely[0]
     if found:
         several = " and ".join(one.name for one in likely)
-        raise BusError(f"{package}: {usual} could be {several}", f"name one of them {usual}, and build {package} again")
+        raise BusError(f"{package}: {usual} could be {several}; name one of them {usual}, and build {package} again")
     near = [fault for fault in faults.values() if _is_near(fault, package)]
-    raise BusError("; ".join(near) or f"{package}/{folder} has no type that fits {usual}", _CORRECT)
+    raise BusError(near[0] if near else f"{package}/{folder} has no type that fits {usual}; {_CORRECT}")
 
 
 def _find_types(names: Iterable[str], match: Callable[[str], Any]) -> tuple[dict[str, Any], dict[str, str]]:
@@ -197,7 +197,7 @@ def _is_near(fault: str, package: str) -> bool:
 
 def _not_built(package: str, folder: str) -> BusError:
     return BusError(
-        f"{package} has no {folder} that this Python can import",
+        f"{package} has no {folder} that this Python can import: "
         "build your package with colcon, and source its workspace: source install/setup.bash",
     )
 
@@ -218,7 +218,8 @@ def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
         if found is None:
             has = ", ".join(f"{word} {own_name}" for own_name, word in own_fields.items() if "." not in own_name)
             choice = f", or only one {kind}" if kind in _BY_KIND else ""
-            raise BusError(f"{name} has {has or 'no field'}: it needs one {kind} named {field.name}{choice}", _CORRECT)
+            needed = f"it needs one {kind} named {field.name}{choice}"
+            raise BusError(f"{name} has {has or 'no field'}: {needed}; {_CORRECT}")
         if isinstance(field.type, MessageType):
             package, _, word = own_fields[found].removeprefix("sequence<").rstrip(">").partition("/")
             element = f"{package}/msg/{word}"
