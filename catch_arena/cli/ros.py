@@ -67,7 +67,7 @@ def serve(
             "--scenario",
             "-s",
             help="Scenario to play (see `catch-arena scenarios`).",
-            show_default="exercise, with a hunter for each --seat",
+            show_default="exercise, with hunters up to the last --seat",
         ),
     ] = None,
     seed: ArenaSeed = None,
@@ -306,15 +306,8 @@ def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[i
     for key in keys:
         if key in _OWN_SETTINGS:
             raise ConfigError(f"--set {key}=... must be left out: {_OWN_SETTINGS[key]}")
-    last, by_seats = max(seats, default=0), []
-    if scenario is None and "hunters" not in keys:
-        left_out = min(set(range(last)) - set(seats), default=None)
-        if left_out is not None:
-            raise ConfigError(
-                f"--seat {left_out} must be given too, such as {left_out}={NODE}: without --scenario and --set "
-                "hunters=..., there is one hunter for each --seat"
-            )
-        by_seats = [f"hunters={last + 1}"]
+    last = max(seats, default=0)
+    by_seats = [] if scenario or "hunters" in keys else [f"hunters={last + 1}"]
     config = arena(scenario or EXERCISE, [*by_seats, *(settings or ())])
     if last >= config.hunters:
         raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario or EXERCISE}, got {last}")

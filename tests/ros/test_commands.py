@@ -25,10 +25,6 @@ def run(*arguments):
         (("serve", "--seat", "nearest"), "--seat must be SEAT=DRIVER, such as 0=ros or 1=patrol, got 'nearest'"),
         (("serve", "--seat", "0=ros", "--seat", "0=nearest"), "--seat 0 must be given once"),
         (("serve", "--seat", "0=ros:\x1b[31m"), "--seat 0: its name must have 1 to 100 printable characters"),
-        (
-            ("serve", "--seat", "9=ros"),
-            "--seat 0 must be given too, such as 0=ros: without --scenario and --set hunters=..., there is one hunter",
-        ),
         (("serve", "--seat", "3=ros", "--set", "hunters=2"), "--seat must be from 0 to 1 in exercise, got 3"),
         (("serve", "-s", "duel", "--seat", "2=ros"), "--seat must be from 0 to 1 in duel, got 2"),
         (("serve", "--interfaces", "my-robot"), "--interfaces must be the name of a ROS package"),
