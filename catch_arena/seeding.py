@@ -3,9 +3,7 @@
 import secrets
 from typing import Final
 
-from catch_arena.errors import ConfigError
-from catch_arena.plain import whole_number
-from catch_arena.text import shortened, with_type
+from catch_arena.config import require_integer
 
 SEED_LIMIT: Final = 2**64
 """A.5: upper bound of seeds, exclusive; the lower bound is 0."""
@@ -17,11 +15,7 @@ def checked_seed(seed: object) -> int:
     Raises:
         ConfigError: unless it is a whole number in [0, 2^64).
     """
-    number = whole_number(seed)
-    if number is None or not 0 <= number < SEED_LIMIT:
-        shown = with_type(seed) if number is None else shortened(number)
-        raise ConfigError(f"seed must be a whole number from 0 to 2^64 - 1, got {shown}")
-    return number
+    return require_integer("seed", seed, 0, SEED_LIMIT - 1)
 
 
 def fresh_seed() -> int:
