@@ -4,12 +4,11 @@ import dataclasses
 import hashlib
 import json
 import math
-import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal, get_args
 
-from catch_arena.errors import ConfigError, did_you_mean, suggest
+from catch_arena.errors import ConfigError, suggest
 from catch_arena.plain import as_python, plain_setting, real_number, whole_number
 from catch_arena.text import shortened, with_type
 
@@ -27,8 +26,6 @@ TURTLESIM_SIDE_M: Final = 11.088889122009277
 RULESET: Final = "catch_arena_v1"
 """R10.3: name of the ruleset; it changes only when equal inputs could play differently."""
 
-_SURROGATE: Final = re.compile("[\ud800-\udfff]")
-"""Lone UTF-16 surrogate: no file and no terminal takes it, since it cannot be encoded."""
 MAX_HUNTERS: Final = 64
 MAX_TARGETS: Final = 64
 MAX_PREY: Final = 32
@@ -224,8 +221,9 @@ class ArenaConfig:
             require_flag(name, getattr(self, name))
         require_choice("policy", self.policy, get_args(ArbitrationPolicy))
         require_choice("dropouts", self.dropouts, get_args(Dropouts))
-        if not isinstance(self.name_prefix, str) or len(self.name_prefix) > 200 or _SURROGATE.search(self.name_prefix):
-            raise ConfigError(f"name_prefix must be a string of at most 200 characters, got {self.name_prefix!r}")
+        prefix = self.name_prefix
+        if not isinstance(prefix, str) or len(prefix) > 200 or not prefix.isprintable():
+            raise ConfigError(f"name_prefix must be at most 200 printable characters, got {prefix!r}")
         for name, (kind, _) in _PARTS.items():
             if not isinstance(getattr(self, name), kind):
                 raise ConfigError(f"{name} must be {kind.__name__}(...) or a mapping, got {getattr(self, name)!r}")
@@ -524,8 +522,6 @@ def require_options(options: object) -> None:
 
 
 def require_choice(name: str, value: object, choices: Sequence[str | None]) -> None:
-    """Raise ConfigError, with the nearest right words, unless the value is one of the choices."""
+    """Raise ConfigError unless the value is one of the choices."""
     if not isinstance(value, str | None) or value not in choices:  # comparing an array would give no bool
-        words = [str(choice) for choice in choices]
-        meant = did_you_mean(value, words)
-        raise ConfigError(f"{name} must be one of {', '.join(words)}, got {value!r}{'; ' if meant else ''}{meant}")
+        raise ConfigError(f"{name} must be one of {', '.join(map(str, choices))}, got {value!r}")

@@ -3,7 +3,7 @@
 Each message names the field, the requirement and the value.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from difflib import get_close_matches
 
 
@@ -71,13 +71,8 @@ def require_type(name: str, value: object, kind: type, made_by: str) -> None:
 def suggest(name: object, known: Iterable[str]) -> str:
     """Return the end of an «unknown name» message: the nearest known names, or all of them if none is near."""
     choices = sorted(known)
-    return did_you_mean(name, choices) or f"known: {', '.join(choices)}"
-
-
-def did_you_mean(name: object, known: Sequence[str]) -> str:
-    """Return the nearest known names as a question; "" if none is near."""
-    near = get_close_matches(str(name), known, n=3, cutoff=0.6)
-    return f"did you mean {' or '.join(near)}?" if near else ""
+    near = get_close_matches(str(name), choices, n=3, cutoff=0.6)
+    return f"did you mean {' or '.join(near)}?" if near else f"known: {', '.join(choices)}"
 
 
 def install_hint(extra: str) -> str:

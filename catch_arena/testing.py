@@ -14,7 +14,7 @@ from catch_arena.conformance.comparison import Compared
 from catch_arena.conformance.diagnosis import Diagnosis
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, Result
-from catch_arena.errors import ConfigError, did_you_mean
+from catch_arena.errors import ConfigError, suggest
 
 __all__ = ["Arbiter", "ArenaUnderTest", "Diagnosis", "Failure", "Report", "Result", "run_conformance", "select_cases"]
 
@@ -72,9 +72,7 @@ def select_cases(only: Sequence[str] = ()) -> tuple[ArbiterCase | ArenaCase, ...
     for word in only:
         found = {word} & ids or {name for name in ids if name.startswith(word)}
         if not found:
-            groups = sorted({case.group for case in cases})
-            near = did_you_mean(word, sorted(ids.union(groups))) or f"known: {', '.join(groups)}"
-            raise ConfigError(f"no case begins with {word!r}: {near}")
+            raise ConfigError(f"no case begins with {word!r}: {suggest(word, {case.group for case in cases})}")
         wanted |= found
     return tuple(case for case in cases if not only or case.id in wanted)
 

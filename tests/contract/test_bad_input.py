@@ -33,7 +33,7 @@ BAD_CONFIGS = [
     ({"max_cycles": 0}, "max_cycles must be a whole number from 1"),
     ({"control": "telepathy"}, "control must be one of target, velocity, full, got 'telepathy'"),
     ({"control": ("target",)}, "control must be one value, or one for each of 4 hunters, got ('target',)"),
-    ({"policy": "nearst"}, "did you mean nearest?"),
+    ({"policy": "nearst"}, "policy must be one of nearest, first_come, capstone, got 'nearst'"),
     ({"target_motion": "run"}, "target_motion must be one of still, wander, flee, got 'run'"),
     ({"target_speed_mps": INFINITY}, "target_speed_mps must be above 0 and at most 1000, got inf"),
     ({"wander_period_ms": 0}, "wander_period_ms must be a whole number from 1 to 1000000000, got 0"),

@@ -51,7 +51,7 @@ def test_sizes_that_cannot_be(size):
 
 
 def test_a_layout_that_is_none(match):
-    with pytest.raises(ConfigError, match="layout must be one of broadcast, arena, got 'arean'; did you mean arena"):
+    with pytest.raises(ConfigError, match="layout must be one of broadcast, arena, got 'arean'"):
         ArenaPainter(match.config, layout="arean")
 
 

@@ -132,7 +132,7 @@ def test_an_end_after_the_end_is_the_end(match):
         ({"start_s": -1.0}, r"the start must be from 0 to 3 s, the match's length, got -1.0"),
         ({"start_s": 2.0, "end_s": 1.0}, r"the end must be after the start, 2 s, got 1.0"),
         ({"end_s": float("nan")}, r"the end must be after the start, 0 s, got nan"),
-        ({"layout": "brodcast"}, "layout must be one of broadcast, arena, got 'brodcast'; did you mean broadcast"),
+        ({"layout": "brodcast"}, "layout must be one of broadcast, arena, got 'brodcast'"),
     ],
 )
 def test_settings_that_cannot_be(match, tmp_path, settings, message):
