@@ -6,7 +6,7 @@ import numpy as np
 
 from catch_arena.config import ArenaConfig
 from catch_arena.replay.recording import Replay
-from catch_arena.replay.state_differences import first_lines, state_differences, state_name
+from catch_arena.replay.state_differences import state_differences, state_name
 from catch_arena.replay.states import scores
 
 
@@ -17,43 +17,32 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
     headers = _header(first), _header(second)
     found = []
     for name in headers[0] | headers[1]:
-        first_value, second_value = (header.get(name, "none") for header in headers)
-        if first_value != second_value:
-            found.append(f"{name}: {first_value} in A; {second_value} in B")
-    for kind in ("hunters", "prey"):
+        values = [header.get(name, "none") for header in headers]
+        if values[0] != values[1]:
+            found.append(f"{name}: {values[0]} in A; {values[1]} in B")
+    for kind in ("hunters", "prey", "targets_move"):
         if getattr(first.config, kind) != getattr(second.config, kind):
-            return [*found, f"with different numbers of {kind}, actions and states cannot be compared"]
-    steps = min(first.steps, second.steps)
-    found += _first_actions(first, second, steps)
-    if first.config.targets_move == second.config.targets_move:
-        found += _first_state(first, second, steps)
-    else:
-        found.append(f"targets move in {'A' if first.config.targets_move else 'B'} only, so states are not compared")
+            return [*found, f"with different {kind}, actions and states cannot be compared"]
+    found += _first_actions(first, second)
+    found += first_states(first, second, ("in A", "in B"))
     if first.steps != second.steps:
         found.append(f"steps: {first.steps} in A; {second.steps} in B")
     if found:
-        first_values, second_values = (scores(match.states[-1], match.config) for match in (first, second))
-        for kind, *results in zip(
-            ("final scores", "number of catches of each prey"), first_values, second_values, strict=True
-        ):
-            if results[0]:
-                shown = [", ".join(map(str, result)) for result in results]
-                same = "the same in both" if shown[0] == shown[1] else f"in A; {shown[1]} in B"
-                found.append(f"{kind}: {shown[0]} {same}")
+        results = (scores(match.states[-1], match.config) for match in (first, second))
+        for kind, one, other in zip(("scores of the hunters", "catches of each prey"), *results, strict=True):
+            if one:
+                found.append(f"final {kind}: {', '.join(map(str, one))} in A; {', '.join(map(str, other))} in B")
     return found
 
 
 def _header(replay: Replay) -> dict[str, str]:
-    """Return the entries of a replay's header in words, by name: seed, title, agents, settings and controls."""
-    config, settings = replay.config, flat_settings(replay.config)
-    del settings["control"]
-    agents = config.hunter_names + config.prey_names
+    """Return the entries of a replay's header in words, by name: seed, title, agents, and settings."""
+    agents = replay.config.hunter_names + replay.config.prey_names
     return {
         "seed": str(replay.seed),
         "title": repr(replay.title),
         **{f"the agent of {agent}": repr(name) for agent, name in zip(agents, replay.names, strict=True)},
-        **{name: str(settings[name]) for name in sorted(settings)},
-        **{f"control of {agent}": control for agent, control in zip(agents, config.controls, strict=False)},
+        **{name: str(value) for name, value in sorted(flat_settings(replay.config).items())},
     }
 
 
@@ -66,9 +55,10 @@ def flat_settings(config: ArenaConfig) -> dict[str, Any]:
     return flat
 
 
-def _first_actions(first: Replay, second: Replay, steps: int) -> list[str]:
+def _first_actions(first: Replay, second: Replay) -> list[str]:
     """Return the differences of actions and withdrawals in the first step that has any; [] if there are none."""
     agents = first.config.hunter_names + first.config.prey_names
+    steps = min(first.steps, second.steps)
     for step in range(steps + 1):
         gone = [set(match.withdrawn_before(step)) for match in (first, second)]
         found = [
@@ -92,15 +82,28 @@ def _action(replay: Replay, step: int, agent: int) -> str:
     return replay.action(step, agent) + (f" ({named})" if named else "")
 
 
-def _first_state(first: Replay, second: Replay, steps: int) -> list[str]:
-    agents = first.config.hunter_names + first.config.prey_names
-    for step in range(steps + 1):
-        first_state, second_state = first.states[step], second.states[step]
-        if first.digests[step] != second.digests[step] or not np.array_equal(first_state, second_state):
-            names = [
-                name if name == twin else seat
-                for name, twin, seat in zip(first.names, second.names, agents, strict=True)
-            ]
-            lines = state_differences(first.config, names, first_state, second_state, ("in A", "in B"))
-            return [f"the states first differ in {state_name(step)}", *first_lines(step, lines)]
-    return []
+def first_states(first: Replay, second: Replay, labels: tuple[str, str]) -> list[str]:
+    """Return a line that names the first states that differ, and lines with their numbers; [] if all states agree.
+
+    Args:
+        first: the first match.
+        second: the second match, with as many hunters and prey.
+        labels: the names of the two matches in the lines.
+    """
+    recorded = zip(first.digests, second.digests, first.states, second.states, strict=False)
+    differ = [
+        step
+        for step, (*digests, one, other) in enumerate(recorded)
+        if digests[0] != digests[1] or not np.array_equal(one, other)
+    ]
+    if not differ:
+        return []
+    step, last = differ[0], differ[-1]
+    ends = last + 1 == min(len(first.states), len(second.states))
+    again = "" if ends else f"; from {state_name(last + 1)} on they agree"
+    if first.digests[step] == second.digests[step]:
+        again = f", although their digests agree{again}"
+    agents = zip(first.config.hunter_names + first.config.prey_names, first.names, second.names, strict=True)
+    names = [name if name == twin else agent for agent, name, twin in agents]
+    lines = state_differences(first.config, names, first.states[step], second.states[step], labels)
+    return [f"the states first differ in {state_name(step)}{again}", *(f"{state_name(step)}: {line}" for line in lines)]

@@ -19,7 +19,7 @@ from catch_arena.equality import EqualByBits
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
 from catch_arena.replay.named_requests import NamedRequest, describe_name, has_appeared, requests_of_step
-from catch_arena.replay.state_differences import on_one_line, state_differences, state_name
+from catch_arena.replay.state_differences import state_differences, state_name
 from catch_arena.replay.states import QuantisedState, quantise
 from catch_arena.text import with_type
 from catch_arena.verdicts import Ruling, Verdict
@@ -161,11 +161,9 @@ class Replay(EqualByBits):
         for step, engine in enumerate(self.engines()):
             if engine.digest() != self.digests[step]:
                 played = quantise(engine.state(), self.config)
-                found = state_differences(self.config, self.names, self.states[step], played)
-                raise ReplayError(
-                    f"the replay does not play as it was recorded: the first difference is in {state_name(step)}: "
-                    f"{on_one_line(found)}"
-                )
+                first, *_ = state_differences(self.config, self.names, self.states[step], played)
+                where = f"the states first differ in {state_name(step)}: {first}"
+                raise ReplayError(f"the replay does not play as it was recorded: {where}")
             yield engine
 
     def named_rulings(self, before: World, after: World) -> list[Ruling]:

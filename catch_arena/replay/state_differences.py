@@ -4,8 +4,7 @@ from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.config import ArenaConfig
-from catch_arena.core.math import wrap
-from catch_arena.replay.states import CAUGHT_AT, MICRO, QuantisedState, parts_of, tables_of
+from catch_arena.replay.states import MICRO, QuantisedState, parts_of, tables_of
 
 _MOST_LINES: Final = 12
 
@@ -15,19 +14,6 @@ def state_name(step: int) -> str:
     return "the initial state" if step == 0 else f"step {step}"
 
 
-def on_one_line(differences: Sequence[str]) -> str:
-    """Return the first difference, and the number of further ones."""
-    more = f" (and {len(differences) - 1} more)" if len(differences) > 1 else ""
-    return f"{differences[0]}{more}"
-
-
-def first_lines(step: int, differences: Sequence[str]) -> list[str]:
-    """Return a line for each of the first differences, with the step, and one with the number of further ones."""
-    shown = [f"{state_name(step)}: {line}" for line in differences[:_MOST_LINES]]
-    more = len(differences) - _MOST_LINES
-    return [*shown, f"{state_name(step)}: {more} more difference{'s' * (more > 1)}"] if more > 0 else shown
-
-
 def state_differences(
     config: ArenaConfig,
     names: Sequence[str],
@@ -35,7 +21,9 @@ def state_differences(
     second: QuantisedState,
     labels: tuple[str, str] = ("as recorded", "as replayed"),
 ) -> list[str]:
-    """Return a line for each number in which two states with different digests differ; at least one line.
+    """Return a line for each of the first numbers in which two states differ, and the number of further ones.
+
+    There is at least one line, because digests can differ although all quantised numbers agree.
 
     Args:
         config: the arena's settings.
@@ -54,9 +42,10 @@ def state_differences(
                 continue
             for (quantity, unit), *values in zip(quantities.items(), here[body], there[body], strict=True):
                 if values[0] != values[1]:
-                    one, other = (_shown(config, quantity, unit, value) for value in values)
-                    apart = _apart(config, quantity, unit, values)
-                    found.append(f"{body}: {quantity} is {one} {labels[0]} and {other} {labels[1]}{apart}")
+                    one, other = (_shown(config, unit, value) for value in values)
+                    found.append(f"{body}: {quantity} is {one} {labels[0]} and {other} {labels[1]}")
+    if len(found) > _MOST_LINES:
+        found[_MOST_LINES:] = [f"{len(found) - _MOST_LINES} more"]
     return found or ["every number differs by less than a millionth of its unit"]
 
 
@@ -73,23 +62,11 @@ def _by_body(config: ArenaConfig, names: Sequence[str], state: QuantisedState) -
     )
 
 
-def _apart(config: ArenaConfig, quantity: str, unit: str, values: Sequence[int]) -> str:
-    """Return the difference of two values in words; "" if it has no meaning."""
-    if unit in ("target", "flag") or (quantity == CAUGHT_AT and min(values) < 0):
-        return ""
-    apart = abs(values[1] - values[0])
-    if quantity == "theta":
-        apart = round(1e6 * abs(wrap(apart / 1e6)))
-    return f", {_shown(config, quantity, unit, apart)} apart"
-
-
-def _shown(config: ArenaConfig, quantity: str, unit: str, value: int) -> str:
+def _shown(config: ArenaConfig, unit: str, value: int) -> str:
     if unit in MICRO:
         return f"{value / 1e6:.6f} {unit}"
     if unit == "target":
         return config.target_name(value) if value else "none"
     if unit == "flag":
         return "yes" if value else "no"
-    if quantity == CAUGHT_AT and value < 0:
-        return "not out"
     return f"{value} {unit}".strip()

@@ -47,9 +47,8 @@ HUNTER: Final = {
     "at wall": "flag",
     "withdrawn": "flag",
 }
-CAUGHT_AT: Final = "caught at"
-"""Time at which prey was caught; -1 while it is in play."""
-PREY: Final = {"target": "target", "times caught": "", CAUGHT_AT: "ms"}
+PREY: Final = {"target": "target", "times caught": "", "caught at": "ms"}
+"""Names and units of a prey's numbers; it is caught at -1 ms while it is in play."""
 _STILL_TARGET: Final = {"number": "", "x": "m", "y": "m", "theta": "rad", "appeared": "ms"}
 _MOVING_TARGET: Final = {**_STILL_TARGET, "linear velocity": "m/s", "angular velocity": "rad/s", "at wall": "flag"}
 MICRO: Final = frozenset({"m", "rad", "m/s", "rad/s", "m s", "rad s"})
