@@ -22,7 +22,6 @@ from catch_arena.explanation.seats import find_subjects, labels, prey_labels
 from catch_arena.explanation.sentences import listed
 from catch_arena.explanation.step_explanation import step_at
 from catch_arena.replay import Replay
-from catch_arena.replay.states import LINEAR_VELOCITY, parts_of
 from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 
@@ -31,15 +30,12 @@ _PART_MS: Final = 100
 """Greatest duration of the parts of the window, in which an action is changed as a whole; at least one step."""
 _NEAR_MS: Final = 50
 """Greatest difference between a time that a user gives and that of the contest."""
-_MOST_TIMES: Final = 3
 _MOST_DECISIONS: Final = 2
 """Greatest number of decisions that a change adds: one at its beginning, and one at its end."""
 _QUARTERS: Final = tuple(quarter / 4.0 for quarter in range(-4, 5))
 _MOST_OTHERS: Final = 8
 """Greatest number of other targets that are tried at a step, the nearest first."""
 _CATCH: Final = PART_NAMES.index("catch")
-_FORMER: Final = -1
-"""Value in place of a target's number: the rank as it was recorded, which meant no target."""
 
 _Played = tuple[NDArray[np.int64], NDArray[np.float32], list[int]]
 """Ranks and commands of all agents in a step, in a row for each arena, and the arenas in which the hunter wins."""
@@ -108,18 +104,16 @@ def what_if(
     target = search.target
     change, name = search.find(progress), labels(replay.hunter_names)[search.seat]
     if change is None:
-        by_lot = (
-            " Lots decide under first_come (R5.9), and no action changes a lot." if contest.clause == "R5.9" else ""
-        )
-        sentence = (
-            f"No change of {name}'s actions within 2 s would have won {target}: {search.tried} were tried.{by_lot}"
-        )
+        sentence = f"No change of {name}'s actions within 2 s would have won {target}: {search.tried} were tried."
         return WhatIf(contest, search.seat, {}, None, sentence, None)
     alternative, last = search.alternative(change)
     won = next((one for one in contests_of(alternative, last) if one.target == contest.target), None)
-    called = "it" if search.is_earlier(change) else target
-    caught = _result(won, called, last.time_ms - replay.config.control_period_ms)
-    sentence = f"{search.sentence(change, alternative)}, and {name} {caught}."
+    if won is None:
+        caught = f"catches {target} at {seconds(last.time_ms - replay.config.control_period_ms)} without a contest"
+    else:
+        margin = f" by {short_length(won.margin_um or 0)}" if won.clause == "R5.4" else ""
+        caught = f"wins {target} at {seconds(won.judged_ms)}{margin} ({won.clause})"
+    sentence = f"{search.sentence(change)}, and {name} {caught}."
     margin_um = None if won is None else won.margin_um
     return WhatIf(contest, search.seat, search.actions(alternative), margin_um, sentence, alternative)
 
@@ -140,21 +134,14 @@ def lost_contest_at(replay: Replay, at_s: float, hunter: int | str | None = None
     contests = [contest for contest in explain(replay, hunter).contests if _lost(replay, contest, hunter)]
     whose = "" if hunter is None else f" by {hunter}"
     if not contests:
-        capstone = ": under the policy capstone every request is granted (R9.1)"
-        why = capstone if replay.config.policy == "capstone" else ""
-        raise ConfigError(f"the match must have a contest that was lost{whose}, and it has none{why}")
-
-    def away_ms(contest: Contest) -> float:
-        return abs(contest.judged_ms - 1000.0 * at_s)
-
-    nearest = sorted(contests, key=away_ms)
-    if away_ms(nearest[0]) > _NEAR_MS:
-        times = sorted({contest.judged_ms for contest in nearest[:_MOST_TIMES]})
+        raise ConfigError(f"the match must have a contest that was lost{whose}, and it has none")
+    nearest = min(contests, key=lambda contest: abs(contest.judged_ms - 1000.0 * at_s))
+    if abs(nearest.judged_ms - 1000.0 * at_s) > _NEAR_MS:
         raise ConfigError(
             f"at must be the time of a contest that was lost{whose}, got {at_s:g} s; "
-            f"the nearest: {listed(map(seconds, times))}"
+            f"the nearest is at {seconds(nearest.judged_ms)}"
         )
-    return nearest[0]
+    return nearest
 
 
 def _lost(replay: Replay, contest: Contest, hunter: int | str | None) -> list[Claim]:
@@ -201,7 +188,7 @@ class _Search:
         self.target = next((label for prey, label in players if prey.target == contest.target), contest.target)
         """Label of the contested target, or of the prey that plays it."""
         self._goals = {
-            step: (int(self._active[step + 1][seat]) or _FORMER) if replay.choices[step][seat] else 0
+            step: int(self._active[step + 1][seat]) if replay.choices[step][seat] else 0
             for step in range(max(0, self._first - 1), contest.step)
         }
         batch = _MOST_OTHERS + 2 if self._control == "target" else len(self._changes(range(0)))
@@ -227,15 +214,16 @@ class _Search:
                 progress(done, len(rounds))
         return None
 
+    def _goal(self, change: _Change, step: int) -> int:
+        """Return the number of the target that a change chooses in a step; 0 for none."""
+        return self._goals[step] if change.goal is None or step not in change.run else change.goal
+
     def _decisions(self, change: _Change) -> int:
         """Return the number of decisions that a change adds: steps in which the hunter chooses another target than in
         the step before.
         """
-        if change.goal is None:
-            return 0
-        goals = list(self._goals.values())
-        changed = [change.goal if step in change.run else goal for step, goal in self._goals.items()]
-        more, fewer = (sum(one != other for one, other in pairwise(chosen)) for chosen in (changed, goals))
+        chosen = [self._goal(change, step) for step in self._goals], self._goals.values()
+        more, fewer = (sum(one != other for one, other in pairwise(goals)) for goals in chosen)
         return max(0, more - fewer)
 
     def _changes(self, run: range) -> list[_Change]:
@@ -269,20 +257,18 @@ class _Search:
         for row in range(rows):
             engine.restore(self._starts[run.start], row)
         counts = np.ones(rows, dtype=np.bool_)
-        goals = np.array([np.nan if change.goal is None else change.goal for change in changes])
         given = np.array([change.command for change in changes], dtype=np.float32)  # NaN for None
         for step in range(run.start, self._judged + 1):
             for agent, row in product(replay.withdrawn_before(step), range(rows)):
                 engine.withdraw(row, agent)
             choices = np.tile(replay.choices[step], (rows, 1))
             commands = np.tile(np.concatenate((replay.commands[step], replay.prey_commands[step])), (rows, 1, 1))
-            wanted = np.where(np.isnan(goals) | (step not in run), self._goals[step], goals)
+            wanted = np.array([self._goal(change, step) for change in changes])
             seen = engine.numbers_seen(seat) == wanted[:, None]
             in_view = seen.any(axis=1) & (wanted > 0)
-            ranks = np.where(in_view, seen.argmax(axis=1) + 1, 0)
-            choices[:, seat] = np.where(wanted == _FORMER, choices[:, seat], ranks)
+            choices[:, seat] = np.where(in_view, seen.argmax(axis=1) + 1, 0)
             if step in run:
-                counts &= in_view | ~(goals > 0)
+                counts &= in_view | ~np.array([bool(change.goal) for change in changes])
                 commands[:, seat] = np.where(np.isnan(given), commands[:, seat], given)
             engine.step(choices, commands)
             active = engine.active_targets()[:, self._others]
@@ -331,69 +317,28 @@ class _Search:
                 changed[step] = by_control[self._control]
         return changed
 
-    # in words
-
-    def is_earlier(self, change: _Change) -> bool:
-        """Return whether the hunter heads for the contested target from the run on, as it did after it."""
-        goals = {change.goal, *(self._goals[step] for step in range(change.run.stop, self._judged + 1))}
-        return self._control == "target" and goals == {self._number}
-
-    def sentence(self, change: _Change, alternative: Replay) -> str:
+    def sentence(self, change: _Change) -> str:
         """Return a change in words."""
-        run = change.run
+        run, config = change.run, self._replay.config
         begin, end, length = (seconds(steps * self._period_ms) for steps in (run.start, run.stop, len(run)))
         if self._control == "target":
-            if self.is_earlier(change):
+            from_then_on = {self._goal(change, step) for step in range(run.start, self._judged + 1)}
+            if from_then_on == {self._number}:
                 return f"{length} earlier: head for {self.target} at {begin} instead of {end}"
-            new = f"head for {self._called(change.goal)}" if change.goal else "hold"
-            former = dict.fromkeys(self._goals[step] for step in run)
-            old = listed(f"heading for {self._called(goal)}" if goal > 0 else "holding" for goal in former)
-            states = self._replay.states[run.start + 1], alternative.states[run.start + 1]
-            slower, faster = (
-                parts_of(state, alternative.config).hunters[self.seat, LINEAR_VELOCITY] / 1e6 for state in states
+            new, *old = (
+                self.target if goal == self._number else config.target_name(goal) if goal else "no target"
+                for goal in dict.fromkeys((change.goal or 0, *(self._goals[step] for step in run)))
             )
-            if faster > slower + 0.05:
-                speeds = f"{faster:.1f} m/s instead of {slower:.1f} m/s"
-                return f"Brake less ({speeds}): for {length} from {begin}, {new} instead of {old}"
-            return f"For {length} from {begin}: {new} instead of {old}"
-        config = self._replay.config
+            return f"For {length} from {begin}: head for {new} instead of {listed(old)}"
         limits = np.array((config.max_speeds[self.seat], config.max_turn_rates[self.seat]))
-        commands = np.array([self._replay.commands[step][self.seat] for step in run]) * limits
-        average = "" if (commands == commands[0]).all() else " on average"
-        (speed, turn), (linear, angular), parts = commands.mean(axis=0).tolist(), change.command, []
-        if linear is not None:
-            new, old = _distinct(linear * limits[0], speed)
-            parts.append(f"drive at {new} m/s instead of {old} m/s{average}")
-        if angular is not None:
-            rate = angular * limits[1]
-            new, old = _distinct(abs(rate), abs(turn))
-            parts.append(f"turn {_turn(rate, new)} instead of {_turn(turn, old)}{average}")
+        recorded = np.mean([self._replay.commands[step][self.seat] for step in run], axis=0) * limits
+        parts = [
+            f"{verb} at {fraction * limit:.2f} {unit} instead of {average:.2f} {unit} on average"
+            for verb, unit, fraction, limit, average in zip(
+                ("drive", "turn"), ("m/s", "rad/s"), change.command, limits, recorded, strict=True
+            )
+            if fraction is not None
+        ]
         if change.goal is not None:
             parts.append(f"request {self.target}")
         return f"For {length} from {begin}: {listed(parts)}"
-
-    def _called(self, number: int) -> str:
-        return self.target if number == self._number else self._replay.config.target_name(number)
-
-
-def _distinct(new: float, old: float) -> tuple[str, str]:
-    """Return two numbers with two decimals, or with up to six if they look the same."""
-    pairs = [(f"{new:.{digits}f}", f"{old:.{digits}f}") for digits in range(2, 7)]
-    return next((pair for pair in pairs if pair[0] != pair[1]), pairs[0])
-
-
-def _turn(rate: float, shown: str) -> str:
-    """Return a turn rate [rad/s] in words, with its shown number; positive is to the left."""
-    side = "left " if rate > 0.0 else "right " if rate < 0.0 else ""
-    return f"{side}at {shown} rad/s"
-
-
-def _result(won: Contest | None, target: str, time_ms: int) -> str:
-    """Return in words how a hunter catches a target: in a contest that it wins, or alone."""
-    if won is None:
-        return f"catches {target} at {seconds(time_ms)} without a contest"
-    if won.clause == "R5.9":
-        return f"is first in the queue for {target} at {seconds(time_ms)} (R5.9)"
-    if won.clause == "R5.5":
-        return f"wins the draw for {target} at {seconds(time_ms)} (R5.5)"
-    return f"wins {target} by {short_length(won.margin_um or 0)}"
