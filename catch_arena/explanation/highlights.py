@@ -7,10 +7,10 @@ import math
 from collections import defaultdict
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, pairwise
 from typing import Final, Literal
 
-from catch_arena.explanation.facts import Contest
+from catch_arena.explanation.facts import Catch, Contest
 from catch_arena.explanation.formatting import metres, seconds, short_length
 from catch_arena.explanation.match_summary import Explanation
 from catch_arena.verdicts import Verdict
@@ -30,8 +30,6 @@ KINDS: Final = tuple(SCORES)
 
 CLOSE_CATCHES: Final = 2
 """Largest difference between the first and the second score of a close match."""
-LAST_MS: Final = 5000
-"""Length of a match's final part [ms]."""
 STREAK: Final = 3
 """Smallest number of catches in a row that is a streak."""
 LEAST_OTHER_MATCHES: Final = 2
@@ -40,8 +38,11 @@ REPEAT_FACTOR: Final = 0.7
 """Factor on the scores of a kind for each highlight of that kind that was already selected."""
 
 BEFORE_MS: Final = 2000
+LONG_BEFORE_MS: Final = 5000
 AFTER_MS: Final = 1500
-"""Parts of the match that are shown before and after a decisive instant [ms]."""
+"""Parts of the match that are shown before and after a decisive instant [ms]: before a streak and a finish the long
+one.
+"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,17 +138,15 @@ def _contests(match: Explanation) -> Iterable[Highlight]:
     for contest in filter(has_loser, match.contests):
         winner, loser = contest.claims[:2]
         first, second, margin_um = match.names[winner.seat], match.names[loser.seat], contest.margin_um or 0
-        distances = f"{metres(winner.distance_um)} from {contest.target}"
+        by, rule = short_length(margin_um), "the smaller distance decides"
         if contest.clause == "R5.5":
-            event = f"{first} beats {second} by lot"
-            reason = f"Both were {distances}: the lowest lot wins (R5.5)"
-        else:
-            event = f"{first} beats {second} by {short_length(margin_um)}"
-            reason = (
-                f"{first} was {distances}, {second} {metres(loser.distance_um)}: the smaller distance decides (R5.4)"
-            )
-        numbers = (margin_um, max(match.reaches_um))
-        yield _highlight("contest", numbers, contest.judged_ms, event, reason)
+            by, rule = "lot", "the lowest lot wins"
+        reason = (
+            f"{first} was {metres(winner.distance_um)} from {contest.target}, {second} {metres(loser.distance_um)}: "
+            f"{rule} ({contest.clause})"
+        )
+        numbers = margin_um, max(match.reaches_um)
+        yield _highlight("contest", numbers, contest.judged_ms, f"{first} beats {second} by {by}", reason)
 
 
 def _captures(match: Explanation) -> Iterable[Highlight]:
@@ -158,21 +157,23 @@ def _captures(match: Explanation) -> Iterable[Highlight]:
         yield _highlight("capture", (capture.in_play_ms, match.duration_ms), capture.judged_ms, event, reason)
 
 
+def _changes_of_lead(match: Explanation) -> list[tuple[int, Catch]]:
+    """Return each contender that leads alone after another one, and the catch that made it the leader."""
+    found: list[tuple[int, Catch]] = []
+    for catch in match.catches:
+        leader = _sole_leader(catch.scores)
+        if leader is not None and (not found or leader != found[-1][0]):
+            found.append((leader, catch))
+    return found
+
+
 def _leads(match: Explanation) -> Iterable[Highlight]:
-    """Yield a highlight for each change of the sole leader; the catches of one step count together."""
-    leader: int | None = None
-    since_ms, names = 0, list(match.contenders)
-    for at_ms, step in groupby(match.catches, key=lambda catch: catch.judged_ms):
-        *_, last = step
-        scores = last.scores
-        new = _sole_leader(scores)
-        if new is None or new == leader:
-            continue
-        if leader is not None:
-            event = f"{names[new]} takes the lead, {scores[new]} : {sorted(scores)[-2]}"
-            reason = f"{names[leader]}, which led from {seconds(since_ms)} on, has {scores[leader]} (R6.1)"
-            yield _highlight("lead", (at_ms, match.duration_ms), at_ms, event, reason)
-        leader, since_ms = new, at_ms
+    names = list(match.contenders)
+    for (old, before), (new, after) in pairwise(_changes_of_lead(match)):
+        scores, at_ms = after.scores, after.judged_ms
+        event = f"{names[new]} takes the lead, {scores[new]} : {sorted(scores)[-2]}"
+        reason = f"{names[old]}, which led from {seconds(before.judged_ms)} on, has {scores[old]} (R6.1)"
+        yield _highlight("lead", (at_ms, match.duration_ms), at_ms, event, reason)
 
 
 def _streaks(match: Explanation) -> Iterable[Highlight]:
@@ -184,25 +185,20 @@ def _streaks(match: Explanation) -> Iterable[Highlight]:
             continue
         event = f"{match.names[seat]} catches {len(times)} in a row"
         reason = f"For {seconds(times[-1] - times[0])} no other hunter catches a target (R6.1)"
-        start_ms = max(times[-STREAK] - 1000, times[-1] - LAST_MS, 0)
-        yield _highlight("streak", (len(times),), times[-1], event, reason, start_ms=start_ms)
+        yield _highlight("streak", (len(times),), times[-1], event, reason, LONG_BEFORE_MS)
 
 
 def _finish(match: Explanation) -> Iterable[Highlight]:
     """Yield the final part of a close match."""
-    names, scores = zip(*match.contenders.items(), strict=True)
-    ranked = sorted(range(len(names)), key=lambda contender: -scores[contender])[:2]
-    best, second = scores[ranked[0]], scores[ranked[-1]]
-    difference = best - second
+    ranked = sorted(match.contenders.items(), key=lambda item: -item[1])[:2]
+    best, difference = ranked[0][1], ranked[0][1] - ranked[-1][1]
     if len(ranked) == 1 or best == 0 or difference > CLOSE_CATCHES:
         return
-    event = f"{', '.join(f'{names[contender]} {scores[contender]}' for contender in ranked)} at the end"
-    lead = "One catch" if difference == 1 else f"A lead of {difference} catches"
-    reason = f"{lead} decides the match (R6.1)" if difference else "They share the first rank (R6.1)"
-    start_ms, end_ms = max(0, match.duration_ms - LAST_MS), match.duration_ms + AFTER_MS
-    late = [catch.judged_ms for catch in match.catches if catch.judged_ms >= start_ms and catch.contender in ranked]
-    decisive_ms = late[-1] if late else max(start_ms, match.duration_ms - 1000)
-    yield _highlight("finish", (difference, best), decisive_ms, event, reason, start_ms, end_ms)
+    event = f"{', '.join(f'{name} {score}' for name, score in ranked)} at the end"
+    lead = "One catch decides" if difference == 1 else f"{difference} catches decide"
+    reason = f"{lead} the match (R6.1)" if difference else "They share the first rank (R6.1)"
+    decisive_ms = max(match.catches[-1].judged_ms, match.duration_ms - 1000)
+    yield _highlight("finish", (difference, best), decisive_ms, event, reason, LONG_BEFORE_MS)
 
 
 def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight]:
@@ -215,11 +211,7 @@ def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight
     favourite = shares.index(max(shares))
     if shares[favourite] <= shares[winner]:
         return
-    at_ms = match.catches[-1].judged_ms
-    for catch in reversed(match.catches):  # back to the catch after which the winner always leads alone
-        if _sole_leader(catch.scores) != winner:
-            break
-        at_ms = catch.judged_ms
+    at_ms = _changes_of_lead(match)[-1][1].judged_ms
     event = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
     reason = (
         f"It won {100 * shares[winner]:.0f} % of its other matches, and {names[favourite]} "
@@ -234,12 +226,10 @@ def _highlight(
     decisive_ms: int,
     event: str,
     reason: str,
-    start_ms: int | None = None,
-    end_ms: int | None = None,
+    before_ms: int = BEFORE_MS,
 ) -> Highlight:
-    """Return a highlight with its score; by default it spans a few seconds around the decisive instant."""
-    start_ms = max(0, decisive_ms - BEFORE_MS) if start_ms is None else start_ms
-    end_ms = decisive_ms + AFTER_MS if end_ms is None else end_ms
+    """Return a highlight with its score, which spans a few seconds around the decisive instant."""
+    start_ms, end_ms = max(0, decisive_ms - before_ms), decisive_ms + AFTER_MS
     return Highlight(kind, start_ms, decisive_ms, end_ms, SCORES[kind](*numbers), event, reason)
 
 
