@@ -53,4 +53,4 @@ def _contest(replay: Replay, world: World, target: str, rulings: Sequence[Ruling
         for ruling in rulings
     )
     judged_ms = world.time_ms - replay.config.control_period_ms
-    return Contest(world.step, judged_ms, target, clause, claims, replay.config.hunters_per_catch)
+    return Contest(world.step, judged_ms, target, clause, claims)

@@ -36,8 +36,6 @@ class Contest:
     """
     claims: tuple[Claim, ...]
     """Claims of all hunters in the contest: the winner's first, then by distance."""
-    hunters_per_catch: int = 1
-    """Number of hunters of one team that the catch needed (R5.10); with more than 1, mates are partners."""
 
     @property
     def margin_um(self) -> int | None:
@@ -90,8 +88,8 @@ class HunterSummary:
     never_seen: int | None = None
     """Number of targets caught by others that it never had in sight (R7.5); None if hunters see everything."""
     withdrawn_ms: int | None = None
-    dropped_out: bool = False
-    """True if the hunter left by chance (R1.7), and was not withdrawn (R1.6)."""
+    out: str | None = None
+    """Reason for leaving: "withdrawn (R1.6)" or "dropped out (R1.7)"; None if the hunter stayed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,7 +167,7 @@ class HunterAction:
     mate: bool
     """True if the hunter lost to its own team-mate (R11.3)."""
     out: str | None
-    """Reason for taking no part: "withdrawn" (R1.6) or "dropped out" (R1.7); None if the hunter took part."""
+    """Reason for taking no part: "withdrawn (R1.6)" or "dropped out (R1.7)"; None if the hunter took part."""
     seen: int
     """Number of targets that the hunter saw (R7.5)."""
     unseen: tuple[Unseen, ...]

@@ -91,7 +91,7 @@ class Explanation:
         events += [(fact.step, 2, self.sentence(fact)) for fact in self.captures]
         found = [text for _, _, text in sorted(events)]
         if not self.contests:
-            found.append(self._no_contest())
+            found.append("No contest.")
         summaries = [*(summary_sentence(fact, self.policy) for fact in self.records), *map(prey_sentence, self.prey)]
         return [self._opening(), "", *found, "", *summaries]
 
@@ -113,21 +113,11 @@ class Explanation:
         rules = f"{_CONTEST_RULES[self.policy]}. {needed if self.hunters_per_catch > 1 else ''}"
         return f"{heading}{length}. {rules}{of_teams}Catches: {catches}."
 
-    def _no_contest(self) -> str:
-        if len(self.records) == len(self.names):
-            return "No contest: no target was requested by two hunters within reach in the same step."
-        sides = ("with", self.records), ("for", self.prey)
-        named = (f"{side} {listed(one.name for one in summaries)}" for side, summaries in sides if summaries)
-        return f"No contest {' or '.join(named)}."
-
     def _refusals(self, run: Refusals) -> str:
         """Return one run of refusals in words: times, hunter, target and reason."""
         prey = self.prey_by_target.get(run.target or "")
-        if run.times == 1:
-            when, request_phrase = f"At {seconds(run.first_ms)} (step {run.first_step})", "asked"
-        else:
-            when = f"From {seconds(run.first_ms)} to {seconds(run.last_ms)} (steps {run.first_step} to {run.last_step})"
-            request_phrase = f"asked {run.times} times"
+        until = f"until {seconds(run.last_ms)} (step {run.last_step})"
+        times = f" {run.times} times {until}" if run.times > 1 else ""
         farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
         place = f"{from_distance(run.nearest_um)}{farthest}"
         if run.by_name:
@@ -136,7 +126,8 @@ class Explanation:
             target = EMPTY_RANK if run.target is None else target_label(run.target, prey)
             target += "," if prey is not None and place else ""
         phrase = verdict_phrase(target, place, run.verdict, self.reaches_um[run.seat])
-        return f"{when} {self.names[run.seat]} {request_phrase} for {phrase}."
+        when = f"At {seconds(run.first_ms)} (step {run.first_step})"
+        return f"{when} {self.names[run.seat]} asked{times} for {phrase}."
 
     def _capture(self, capture: Capture) -> str:
         """Return one capture of prey in words: the hunter, the distance, and the time of the return."""
@@ -254,7 +245,7 @@ class _HunterRecord:
         summary, seat, config = self._summary, self._summary.seat, self._replay.config
         if after.hunters[seat].withdrawn and summary.withdrawn_ms is None:  # R1.6, R1.7: it took no part in the step
             summary.withdrawn_ms = before.time_ms
-            summary.dropped_out = exit_cause(self._replay, seat) == "dropped out"
+            summary.out = exit_cause(self._replay, seat)
         lost = {target for target, catcher in catchers.items() if catcher != seat}
         contested = {one.target for one in contests if any(claim.seat == seat for claim in one.claims)}
         summary.forestalled += after.hunters[seat].active_target in lost - contested  # R4.1

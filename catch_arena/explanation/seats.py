@@ -34,8 +34,8 @@ def with_seat(name: str, seat: int) -> str:
 
 
 def exit_cause(replay: Replay, seat: int) -> str:
-    """Return the reason why a hunter left: "withdrawn" (R1.6), which a replay lists, or "dropped out" (R1.7)."""
-    return "withdrawn" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out"
+    """Return the reason why a hunter left, with its clause: a replay lists withdrawals, but not dropouts."""
+    return "withdrawn (R1.6)" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out (R1.7)"
 
 
 class Subjects(NamedTuple):

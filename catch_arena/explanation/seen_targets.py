@@ -19,10 +19,6 @@ class Unseen:
     distance_um: int
     off_heading_deg: float
     """Angle between the hunter's heading and the target's direction [degrees], 0 to 180."""
-    too_far: bool
-    """True if the target was not within view_radius_m."""
-    outside_cone: bool
-    """True if the target was not within the cone of view_angle_deg."""
 
 
 def unseen_targets(config: ArenaConfig, world: World, seat: int) -> list[Unseen]:
@@ -34,10 +30,6 @@ def unseen_targets(config: ArenaConfig, world: World, seat: int) -> list[Unseen]
         dx, dy = target.x - me.x, target.y - me.y
         if is_seen(dx, dy, sine, cosine, config.reaches_um[seat], settings):
             continue
-        um = int(measure_um(dx, dy))
         off_deg = abs(math.degrees(math.remainder(math.atan2(dy, dx) - me.theta, 2.0 * math.pi)))
-        too_far = config.view_radius_um is not None and um >= config.view_radius_um
-        # a target within the radius can only be outside the cone
-        outside_cone = not too_far or off_deg > config.view_angle_deg / 2.0
-        found.append(Unseen(target.name, um, off_deg, too_far, outside_cone))
+        found.append(Unseen(target.name, int(measure_um(dx, dy)), off_deg))
     return sorted(found, key=lambda target: target.distance_um)

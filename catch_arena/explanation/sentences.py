@@ -39,23 +39,9 @@ def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -
         if winner.verdict is Verdict.GRANTED
         else f"{names[winner.seat]} gets KILL_FAILED, because the simulator refuses the kill (R5.7)"
     )
-    lost = f"{listed(names[claim.seat] for claim in losers)} {'get' if len(losers) > 1 else 'gets'} LOST_CONTEST (R5.6)"
-    sentence = f"{intro}. {'; '.join(places)}. {_DECISIONS[contest.clause]} ({contest.clause}): {outcome}, and {lost}"
-    return f"{sentence}{_lost_to_mate(contest, names)}."
-
-
-def _lost_to_mate(contest: Contest, names: Sequence[str]) -> str:
-    winner, *losers = contest.claims
-    mates = [names[claim.seat] for claim in losers if claim.mate]
-    if not mates:
-        return ""
-    subject = "it" if len(losers) == 1 else listed(mates)
-    if contest.hunters_per_catch > 1:
-        partners = "partners" if len(mates) > 1 else "partner"
-        be = "are" if len(mates) > 1 and len(losers) > 1 else "is"
-        needed = f"a catch needs {contest.hunters_per_catch} hunters of one team"
-        return f": {subject} {be} the {partners} of {names[winner.seat]}, since {needed} (R5.10)"
-    return f": {subject} lost to {'their' if len(mates) > 1 else 'its'} own team-mate (R11.3)"
+    lost = listed(f"{names[claim.seat]}{' (a team-mate, R11.3)' if claim.mate else ''}" for claim in losers)
+    decision = f"{_DECISIONS[contest.clause]} ({contest.clause}): {outcome}"
+    return f"{intro}. {'; '.join(places)}. {decision}. LOST_CONTEST (R5.6): {lost}."
 
 
 def _place(claim: Claim, winner: Claim) -> str:
@@ -120,8 +106,7 @@ def summary_sentence(summary: HunterSummary, policy: ArbitrationPolicy) -> str:
     if summary.never_seen:
         parts.append(f"others caught {counted(summary.never_seen, 'target')} that it never saw (R7.5)")
     if summary.withdrawn_ms is not None:
-        departure = "dropped out at {} (R1.7)" if summary.dropped_out else "withdrawn at {} (R1.6)"
-        parts.append(departure.format(seconds(summary.withdrawn_ms)))
+        parts.append(f"{summary.out} at {seconds(summary.withdrawn_ms)}")
     return f"{with_seat(summary.name, summary.seat)}: {'; '.join(parts)}."
 
 

@@ -12,7 +12,7 @@ from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, with_seat
-from catch_arena.explanation.seen_targets import Unseen, unseen_targets
+from catch_arena.explanation.seen_targets import unseen_targets
 from catch_arena.explanation.sentences import (
     EMPTY_RANK,
     contest_sentence,
@@ -28,7 +28,6 @@ from catch_arena.replay.named_requests import describe_name
 from catch_arena.text import with_type
 from catch_arena.verdicts import Verdict
 
-_LEFT: Final = {"withdrawn": "It was withdrawn (R1.6)", "dropped out": "It had dropped out (R1.7)"}
 _MOST_UNSEEN: Final = 3
 
 
@@ -80,7 +79,7 @@ class StepExplanation:
         name = with_seat(self.names[hunter.seat], hunter.seat)
         sentences = [f"{name}, {hunter.control} control: {hunter.action}{chosen}."]
         if hunter.out is not None:
-            sentences.append(f"{_LEFT[hunter.out]}.")
+            sentences.append(f"It takes no part: {hunter.out}.")
         sentences.append(f"It requested {'; then '.join(self._requests(hunter)) or 'nothing'}.")
         if hunter.unseen:
             sentences.append(self._sight(hunter))
@@ -100,13 +99,16 @@ class StepExplanation:
             yield verdict_phrase(name, from_distance(ruling.distance_um), ruling.verdict, reach_um)
 
     def _sight(self, hunter: HunterAction) -> str:
-        """Return the targets out of a hunter's sight in words, the nearest first, with the reasons."""
+        """Return the limits of a hunter's sight, and the targets out of it, the nearest first, in words."""
         limits = []
         if self.view_radius_m is not None:
             limits.append(f"nearer than {self.view_radius_m:g} m")
         if self.view_angle_deg < 360.0:
             limits.append(f"at most {self.view_angle_deg / 2.0:g} degrees off its heading")
-        shown = [_out_of_sight(target) for target in hunter.unseen[:_MOST_UNSEEN]]
+        shown = [
+            f"{one.target}, {metres(one.distance_um)} away and {one.off_heading_deg:.1f} degrees off its heading"
+            for one in hunter.unseen[:_MOST_UNSEEN]
+        ]
         if more := len(hunter.unseen) - len(shown):
             shown.append(f"{more} more")
         saw = f"{hunter.seen} of {counted(hunter.seen + len(hunter.unseen), 'target')}"
@@ -134,14 +136,6 @@ class StepExplanation:
         )
         distances = listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
         return f"Distances to {target_label(target, self.prey_by_target.get(target))}: {distances}."
-
-
-def _out_of_sight(target: Unseen) -> str:
-    why = ["too far"] if target.too_far else []
-    if target.outside_cone:
-        side = "to its rear" if target.off_heading_deg > 90.0 else "to its side"
-        why.append(f"{side}, {target.off_heading_deg:.1f} degrees off its heading")
-    return f"{target.target}, {metres(target.distance_um)} away, {' and '.join(why)}"
 
 
 def step_at(replay: Replay, at_s: float) -> int:
