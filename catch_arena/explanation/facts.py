@@ -47,7 +47,7 @@ class Contest:
 @dataclass(slots=True)
 class Refusals:
     """Run of one hunter's requests for one target that were refused for the same reason. A catch or contest of the
-    hunter ends it; so does a request by rank for another target that is refused for that reason.
+    hunter ends it.
     """
 
     seat: int
@@ -164,8 +164,6 @@ class HunterAction:
     """Target of the rank in the action; None if the rank has no target, or the hunter takes no part."""
     ruling: Ruling | None
     """Ruling on the request; None without a request."""
-    mate: bool
-    """True if the hunter lost to its own team-mate (R11.3)."""
     out: str | None
     """Reason for taking no part: "withdrawn (R1.6)" or "dropped out (R1.7)"; None if the hunter took part."""
     seen: int

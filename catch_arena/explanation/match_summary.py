@@ -22,18 +22,15 @@ from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, team_label, with_seat
 from catch_arena.explanation.seen_targets import unseen_targets
 from catch_arena.explanation.sentences import (
-    EMPTY_RANK,
     contest_sentence,
     counted,
-    from_distance,
     listed,
     prey_sentence,
+    request_phrase,
     summary_sentence,
     target_label,
-    verdict_phrase,
 )
 from catch_arena.replay import Replay
-from catch_arena.replay.named_requests import describe_name
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
@@ -115,17 +112,16 @@ class Explanation:
 
     def _refusals(self, run: Refusals) -> str:
         """Return one run of refusals in words: times, hunter, target and reason."""
-        prey = self.prey_by_target.get(run.target or "")
         until = f"until {seconds(run.last_ms)} (step {run.last_step})"
         times = f" {run.times} times {until}" if run.times > 1 else ""
-        farthest = "" if run.nearest_um == run.farthest_um else f" to {metres(run.farthest_um)}"
-        place = f"{from_distance(run.nearest_um)}{farthest}"
-        if run.by_name:
-            target = describe_name(run.target)
-        else:
-            target = EMPTY_RANK if run.target is None else target_label(run.target, prey)
-            target += "," if prey is not None and place else ""
-        phrase = verdict_phrase(target, place, run.verdict, self.reaches_um[run.seat])
+        phrase = request_phrase(
+            run.target,
+            run.verdict,
+            (run.nearest_um, run.farthest_um),
+            self.reaches_um[run.seat],
+            by_name=run.by_name,
+            prey=self.prey_by_target.get(run.target or ""),
+        )
         when = f"At {seconds(run.first_ms)} (step {run.first_step})"
         return f"{when} {self.names[run.seat]} asked{times} for {phrase}."
 
@@ -135,7 +131,7 @@ class Explanation:
         if capture.returned_ms is not None:
             after = f"; it returned at {seconds(capture.returned_ms)} as {capture.returned_as}"
         hunter, prey = self.names[capture.seat], self.prey_names[capture.prey]
-        place = "" if capture.distance_um is None else f",{from_distance(capture.distance_um)}"
+        place = "" if capture.distance_um is None else f", from {metres(capture.distance_um)}"
         event = f"{hunter} caught {target_label(capture.target, prey)}{place}"
         when = f"At {seconds(capture.judged_ms)} (step {capture.step})"
         return f"{when} {event}, after {seconds(capture.in_play_ms)} in play{after} (R12.3)."
@@ -237,7 +233,7 @@ class _HunterRecord:
         """Number of its requests by verdict."""
         self._busy = False
         """True if the hunter was in a contest, or caught a target, in the last step."""
-        self._running: dict[tuple[Verdict, object], Refusals] = {}
+        self._running: dict[tuple[Verdict, str | None, bool], Refusals] = {}
         self.refusals: list[Refusals] = []
 
     def note(self, before: World, after: World, catchers: Mapping[str, int], contests: Sequence[Contest]) -> None:
@@ -259,16 +255,14 @@ class _HunterRecord:
             summary.never_seen = (summary.never_seen or 0) + len(lost - self._seen)
 
     def add_request(self, ruling: Ruling, judged_ms: int, *, by_name: bool) -> None:
-        """Add a request in the last step, and its refusal to a run: for each verdict there is one run at a time for
-        requests by rank, and one for each requested name.
-        """
+        """Add a request in the last step, and its refusal to the run of its verdict and target."""
         self._verdicts[ruling.verdict] += 1
         if self._busy and not by_name:
             return
         target = None if ruling.target is None else str(ruling.target)
-        key = (ruling.verdict, (target,) if by_name else "rank")
+        key = (ruling.verdict, target, by_name)
         run, step = self._running.get(key), ruling.step + 1
-        if run is None or run.target != target:
+        if run is None:
             run = Refusals(ruling.hunter, ruling.verdict, step, step, judged_ms, judged_ms, target, by_name)
             self._running[key] = run
             self.refusals.append(run)

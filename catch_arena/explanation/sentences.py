@@ -7,9 +7,9 @@ from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.facts import Claim, Contest, HunterSummary, PreySummary
 from catch_arena.explanation.formatting import exact_length, metres, seconds
 from catch_arena.explanation.seats import with_seat
+from catch_arena.replay.named_requests import describe_name
 from catch_arena.verdicts import REASONS, Verdict
 
-EMPTY_RANK: Final = "a rank without a target in its view"
 _DECISIONS: Final = {
     "R5.4": "The smaller distance decides",
     "R5.5": "The distances are equal, so the lowest lot decides",
@@ -61,15 +61,34 @@ def target_label(target: str, prey: str | None) -> str:
     return target if prey is None else f"{target}, played by {prey}"
 
 
-def from_distance(distance_um: int | None) -> str:
-    """Return a distance for the end of a phrase; "" if it was not measured."""
-    return "" if distance_um is None else f" from {metres(distance_um)}"
+def request_phrase(
+    target: str | None,
+    verdict: Verdict,
+    distances_um: tuple[int | None, int | None],
+    reach_um: int,
+    *,
+    by_name: bool,
+    prey: str | None = None,
+) -> str:
+    """Return a requested target, the distance to it, and the verdict with its reason, in words.
 
-
-def verdict_phrase(target: str, place: str, verdict: Verdict, reach_um: int) -> str:
-    """Return a requested target, the distance to it, and the verdict with its reason, in words."""
+    Args:
+        target: the target's name; None for a rank without a target, or a requested name that was no string.
+        verdict: the answer.
+        distances_um: the smallest and the largest distance, if there are several requests; None if it was not measured.
+        reach_um: the hunter's reach.
+        by_name: True for a request by name, without a rank (R8.4).
+        prey: the label of the prey that played the target; None if no prey did.
+    """
+    if by_name:
+        asked_for = describe_name(target)
+    else:
+        asked_for = "a rank without a target in its view" if target is None else target_label(target, prey)
+    nearest, farthest = distances_um
+    place = "" if nearest is None else f" from {metres(nearest)}"
+    place += "" if nearest == farthest else f" to {metres(farthest)}"
     limit = f"; within reach is less than {metres(reach_um)}" if verdict is Verdict.OUT_OF_REACH else ""
-    return f"{target}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
+    return f"{asked_for}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
 
 
 def prey_sentence(summary: PreySummary) -> str:

@@ -14,19 +14,15 @@ from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, with_seat
 from catch_arena.explanation.seen_targets import unseen_targets
 from catch_arena.explanation.sentences import (
-    EMPTY_RANK,
     contest_sentence,
     counted,
-    from_distance,
     listed,
+    request_phrase,
     target_label,
-    verdict_phrase,
 )
 from catch_arena.plain import as_python, real_number, whole_number
 from catch_arena.replay import Replay
-from catch_arena.replay.named_requests import describe_name
 from catch_arena.text import with_type
-from catch_arena.verdicts import Verdict
 
 _MOST_UNSEEN: Final = 3
 
@@ -49,8 +45,6 @@ class StepExplanation:
     """Label of the prey by the name of each target that it plays."""
     distances_um: dict[str, tuple[int, ...]]
     """Distances of all hunters, by seat, to each target that these agents play, chose or requested (R5.3)."""
-    out_of_sight: dict[str, tuple[int, ...]]
-    """Seats that did not see the target, for each target of `distances_um` (R7.5)."""
     reaches_um: tuple[int, ...]
     """Reach of each hunter in micrometres, by seat (R5.3)."""
     view_radius_m: float | None
@@ -86,17 +80,10 @@ class StepExplanation:
         return " ".join(sentences)
 
     def _requests(self, hunter: HunterAction) -> Iterator[str]:
-        reach_um = self.reaches_um[hunter.seat]
-        if (ruling := hunter.ruling) is not None:
-            winner = ""
-            if ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
-                mate = ", its own team-mate (R11.3)" if hunter.mate else ""
-                winner = f"; the winner is {self.names[ruling.winner]}{mate}"
-            target = EMPTY_RANK if ruling.target is None else str(ruling.target)
-            yield f"{verdict_phrase(target, from_distance(ruling.distance_um), ruling.verdict, reach_um)}{winner}"
-        for ruling in hunter.by_name:
-            name = describe_name(None if ruling.target is None else str(ruling.target))
-            yield verdict_phrase(name, from_distance(ruling.distance_um), ruling.verdict, reach_um)
+        rulings = [] if hunter.ruling is None else [(hunter.ruling, False)]
+        for ruling, by_name in [*rulings, *((one, True) for one in hunter.by_name)]:
+            target, distances = None if ruling.target is None else str(ruling.target), (ruling.distance_um,) * 2
+            yield request_phrase(target, ruling.verdict, distances, self.reaches_um[hunter.seat], by_name=by_name)
 
     def _sight(self, hunter: HunterAction) -> str:
         """Return the limits of a hunter's sight, and the targets out of it, the nearest first, in words."""
@@ -130,11 +117,8 @@ class StepExplanation:
 
     def _distances(self, target: str) -> str:
         """Return the distance of every hunter to one target in words, the nearest first."""
-        ranked = sorted(
-            (distance, name, " (out of its sight)" if seat in self.out_of_sight[target] else "")
-            for seat, (distance, name) in enumerate(zip(self.distances_um[target], self.names, strict=True))
-        )
-        distances = listed(f"{name} {metres(distance)}{unseen}" for distance, name, unseen in ranked)
+        ranked = sorted(zip(self.distances_um[target], self.names, strict=True))
+        distances = listed(f"{name} {metres(distance)}" for distance, name in ranked)
         return f"Distances to {target_label(target, self.prey_by_target.get(target))}: {distances}."
 
 
@@ -181,10 +165,9 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         raise ConfigError(f"step must be a whole number {has}, got {step!r}")
     before, after = islice(replay.worlds(), number - 1, number + 1)
     config, contests = replay.config, contests_of(replay, after)
-    unseen = [tuple(unseen_targets(config, before, seat)) for seat in range(config.hunters)]
+    unseen = {seat: tuple(unseen_targets(config, before, seat)) for seat in seats}
     rulings = {ruling.hunter: ruling for ruling in after.rulings}
     by_name = replay.named_rulings(before, after)
-    lost_to_mates = {claim.seat for contest in contests for claim in contest.claims if claim.mate}
     hunters = tuple(
         HunterAction(
             seat=seat,
@@ -192,7 +175,6 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
             action=replay.action(before.step, seat),
             chosen=after.hunters[seat].active_target if replay.choices[before.step][seat] else None,
             ruling=rulings.get(seat),
-            mate=seat in lost_to_mates,
             out=exit_cause(replay, seat) if after.hunters[seat].withdrawn else None,
             seen=len(before.targets) - len(unseen[seat]),
             unseen=unseen[seat],
@@ -231,12 +213,6 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         },
         distances_um={
             target.name: tuple(int(measure_um(target.x - hunter.x, target.y - hunter.y)) for hunter in before.hunters)
-            for target in shown
-        },
-        out_of_sight={
-            target.name: tuple(
-                seat for seat, hidden in enumerate(unseen) if target.name in {one.target for one in hidden}
-            )
             for target in shown
         },
         reaches_um=config.reaches_um,
