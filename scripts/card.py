@@ -33,8 +33,7 @@ from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentErro
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
 from catch_arena.suite.evaluation import Evaluation
-from catch_arena.suite.measures import AgentMeasures, facts_of, measure
-from catch_arena.suite.references import FILE
+from catch_arena.suite.measures import REFERENCES_FILE, AgentMeasures, facts_of, measure
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import usable_cores
 from catch_arena.tournament.loading import shipped
@@ -88,11 +87,11 @@ def main() -> int:
         if args.agents:
             text = merged(card, text, args.blocks)
         write_whole(PAGE, (text + heading + cross_play).encode())
-        write_whole(FILE, references_text(FILE.read_text(), measured).encode())
+        write_whole(REFERENCES_FILE, references_text(REFERENCES_FILE.read_text(), measured).encode())
     except CatchArenaError as error:
         print(error, file=sys.stderr)
         return 2
-    print(f"{PAGE}\n{FILE}")
+    print(f"{PAGE}\n{REFERENCES_FILE}")
     return 0
 
 

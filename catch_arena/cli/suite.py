@@ -15,8 +15,7 @@ from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_spec import is_shipped
 
 if TYPE_CHECKING:
-    from catch_arena.suite.measures import AgentMeasures
-    from catch_arena.suite.references import Scores
+    from catch_arena.suite.measures import AgentMeasures, Scores
 
 _KEY = """score: own catches / (own + the mean opponent's catches); 0.5 is level
 wins: matches won, ties shared; place: by rating, among itself and its opponents
@@ -63,11 +62,10 @@ def suite(
     """
     from json import dumps
 
-    from catch_arena.cli.tables import duration, with_interval
+    from catch_arena.cli.tables import with_interval
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
     from catch_arena.suite.evaluation import Evaluation
-    from catch_arena.suite.measures import facts_of, measure, over_training_runs
-    from catch_arena.suite.references import references
+    from catch_arena.suite.measures import facts_of, measure, over_training_runs, references
     from catch_arena.tournament.execution.executors import usable_cores
     from catch_arena.tournament.isolation.sandbox import sandbox_for
     from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
@@ -92,7 +90,6 @@ def suite(
             for scenario, fault in evaluation.cannot_play(sandbox):
                 echo(f"{evaluation.agent.name} cannot play {scenario}, and forfeits there: {fault}", err=True)
     total = sum(evaluation.matches for evaluation in evaluations)
-    seconds = sum(evaluation.estimate_s() for evaluation in evaluations)
     processes = f"{workers} processes" if workers > 1 else "one process"
     echo(f"{chosen.name} (digest {chosen.digest}): {len(chosen.scenarios)} scenarios, {blocks} blocks of each")
     if quick:
@@ -100,8 +97,7 @@ def suite(
             f"--quick: a first look, NOT the protocol, which has {chosen.blocks} blocks; "
             f"intervals (? below) need {FEWEST_BLOCKS} blocks"
         )
-    takes = f"about {duration(seconds / workers)} with {processes}" if seconds else "all of them played already"
-    echo(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, {takes}")
+    echo(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, with {processes}")
 
     with progress_bar("playing", total) as show:
         count = match_counter(total, show)

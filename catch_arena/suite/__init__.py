@@ -6,6 +6,5 @@ It fixes everything that two papers must have in common to compare their numbers
 
 - contents: the scenarios, opponents and matches of a suite, frozen under a name with a version.
 - evaluation: play of a suite by an agent; each scenario is a tournament in a folder of its own.
-- measures: the figures of an agent, by scenario and over all scenarios.
-- references: the scores of shipped agents, kept with the package.
+- measures: the figures of an agent, by scenario and over all scenarios, and the kept scores of shipped agents.
 """

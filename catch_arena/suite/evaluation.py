@@ -10,7 +10,6 @@ from catch_arena.errors import StoreError
 from catch_arena.files import prepare_folder
 from catch_arena.suite.contents import Suite, SuiteScenario
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.cost import measure_cost
 from catch_arena.tournament.execution.executors import Worker, local_executor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -83,20 +82,6 @@ class Evaluation:
             if (forfeit := result.forfeits[0]) is not None:
                 yield one.name, forfeit.reason
 
-    def estimate_s(self) -> float:
-        """Return the estimated time of the missing matches in one process [s]; 0 if none is missing.
-
-        Some matches of the first scenario are played and not kept. Times of other scenarios are scaled by their number
-        of hunters times steps.
-        """
-        missing = {one: self._plan(one).size - len(self.played(one)) for one in self.suite.scenarios}
-        if not any(missing.values()):
-            return 0.0
-        first = self.suite.scenarios[0]
-        cost = measure_cost(self._worker(first), self._plan(first))
-        moves = sum(count * _moves(one) for one, count in missing.items())
-        return 0.0 if cost is None else cost.seconds * moves / _moves(first)
-
     def play(self, jobs: int, on_results: Callable[[Sequence[PlayedMatch]], None] = lambda _: None) -> None:
         """Play the matches that are not kept yet, scenario by scenario.
 
@@ -156,7 +141,3 @@ class Evaluation:
 @cache
 def _entered(names: tuple[str, ...]) -> tuple[Entrant, ...]:
     return enter(names)
-
-
-def _moves(scenario: SuiteScenario) -> int:
-    return scenario.config.hunters * scenario.config.max_steps

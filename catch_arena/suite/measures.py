@@ -1,10 +1,12 @@
 """Figures of an agent in a suite; docs/howto/suite.md explains how each one is computed, and why."""
 
+import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
-from typing import Any
+from pathlib import Path
+from typing import Any, Final
 
 import numpy as np
 
@@ -28,6 +30,11 @@ PROFILE_LEVELS = tuple(level / 20 for level in range(20))
 """Score levels of the performance profile, from 0 to 0.95."""
 AGENT = 0
 """The agent's index among the entrants of a suite's matches."""
+REFERENCES_FILE: Final = Path(__file__).parent / "references.json"
+"""Scores of shipped agents for comparison, in the format of `catch-arena suite --json`; `make card` writes it."""
+
+Scores = Mapping[str, Sequence[float]]
+"""Normalised scores by scenario, for each block."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +100,7 @@ class AgentMeasures:
         times = [one.move_ms for one in self.scenarios if not math.isnan(one.move_ms)]
         return float(np.mean(times)) if times else math.nan
 
-    def improvement(self, reference: Mapping[str, Sequence[float]], *, held_out: bool) -> Estimate:
+    def improvement(self, reference: Scores, *, held_out: bool) -> Estimate:
         """Return the probability that a block of this agent has a higher normalised score than one of a reference.
 
         Args:
@@ -197,7 +204,16 @@ def over_training_runs(runs: Sequence[AgentMeasures], *, held_out: bool) -> Esti
     return interquartile_estimate(np.array([run.table(held_out=held_out).mean(axis=0) for run in runs]))
 
 
-def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Mapping[str, Sequence[float]]]) -> Any:
+def references(suite: Suite, path: Path = REFERENCES_FILE) -> dict[str, Scores]:
+    """Return the references' scores by agent, without those of another suite, whose numbers cannot be compared."""
+    return {
+        agent["agent"]: {name: scenario["score_by_block"] for name, scenario in agent["scenarios"].items()}
+        for agent in json.loads(path.read_text())["agents"]
+        if agent["suite_digest"] == suite.digest
+    }
+
+
+def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Scores]) -> Any:
     """Return all figures as JSON-ready values; None for a figure that needs more blocks."""
     parts = (("training", False), ("held_out", True))
     return {

@@ -13,7 +13,7 @@ from catch_arena.suite.contents import (
     REFERENCES,
     SUITE,
 )
-from catch_arena.suite.references import FILE, references
+from catch_arena.suite.measures import REFERENCES_FILE, references
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "suite.md").read_text()
 SUITES = (SUITE, LADDER)
@@ -90,5 +90,5 @@ def test_references_are_of_this_suite_and_whole():
 
 def test_references_of_another_suite_are_not_compared_with(tmp_path):
     path = tmp_path / "references.json"
-    path.write_text(FILE.read_text().replace(SUITE.digest, dataclasses.replace(SUITE, seed=99).digest))
+    path.write_text(REFERENCES_FILE.read_text().replace(SUITE.digest, dataclasses.replace(SUITE, seed=99).digest))
     assert references(SUITE, path) == {}
