@@ -139,10 +139,8 @@ def step_at(replay: Replay, at_s: float) -> int:
     period_ms = replay.config.control_period_ms
     step = round(1000 * time_s) // period_ms + 1 if math.isfinite(time_s) else 0
     if not 1 <= step <= replay.steps:
-        last = f"to {seconds((replay.steps - 1) * period_ms)}, when the last step is judged"
-        raise ConfigError(
-            f"at must be from 0 {last if replay.steps else 'on, but the match has no steps'}, got {time_s:g} s"
-        )
+        last = seconds(max(0, replay.steps - 1) * period_ms)
+        raise ConfigError(f"at must be from 0 to {last}, when the last step is judged, got {time_s:g} s")
     return step
 
 
@@ -161,8 +159,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     seats, prey_indices = find_subjects(replay, hunter)
     number = whole_number(step)
     if number is None or not 1 <= number <= replay.steps:
-        has = f"from 1 to {replay.steps}" if replay.steps else "in the match, which has no steps"
-        raise ConfigError(f"step must be a whole number {has}, got {step!r}")
+        raise ConfigError(f"step must be a whole number from 1 to {replay.steps}, got {step!r}")
     before, after = islice(replay.worlds(), number - 1, number + 1)
     config, contests = replay.config, contests_of(replay, after)
     unseen = {seat: tuple(unseen_targets(config, before, seat)) for seat in seats}

@@ -4,7 +4,7 @@
 - fileformat: the file of a replay, with states (numbers in whole millionths) and codec
   (columns of whole numbers as bytes). named_requests: requests by name, which are judged again.
 - verification: checks if a match plays as recorded. comparison: the first differences of two matches.
-  state_differences: the differences of two states. motion: poses between two states.
+  motion: poses between two states.
 """
 
 from catch_arena.replay.recorder import Recorder as Recorder

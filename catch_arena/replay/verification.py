@@ -3,10 +3,9 @@
 from collections.abc import Callable
 
 from catch_arena.errors import ReplayError
-from catch_arena.replay.comparison import first_states
+from catch_arena.replay.comparison import first_states, state_name
 from catch_arena.replay.named_requests import requests_of_step
 from catch_arena.replay.recording import Replay
-from catch_arena.replay.state_differences import state_name
 from catch_arena.world import World
 
 

@@ -123,9 +123,10 @@ def test_an_edited_digest_is_told_from_an_edited_action(mixed):
     ]
 
 
-def test_worlds_stop_at_the_first_step_that_differs_and_say_in_what(mixed):
-    """In one line, for those who watch."""
-    with pytest.raises(ReplayError, match=r"the states first differ in step 23: hunter_1 \(b\): x is .* as replayed$"):
+def test_worlds_stop_at_the_first_step_that_differs(mixed):
+    with pytest.raises(
+        ReplayError, match="the states first differ after 23 steps; catch-arena verify shows the numbers"
+    ):
         list(altered(mixed, alter_action).worlds())
 
 
