@@ -274,18 +274,13 @@ class _HunterRecord:
 
     def finished(self, score: int, contests: Sequence[Contest]) -> HunterSummary:
         """Return the summary, with the hunter's score and the results of the match's contests."""
-        summary, won, lost = self._summary, [], []
-        for contest in contests:
-            winner, *losers = contest.claims
-            if contest.clause == "R9.1":  # every claim wins
-                continue
-            if winner.seat == summary.seat:
-                won.append(contest.margin_um or 0)
-            for claim in losers:
-                if claim.seat == summary.seat:
-                    summary.contests_lost_to_mates += claim.mate
-                    lost.append((claim.distance_um or 0) - (winner.distance_um or 0))
+        summary, seat = self._summary, self._summary.seat
+        decided = [contest for contest in contests if contest.clause != "R9.1"]  # under R9.1 every claim wins
+        won = [contest.margin_um or 0 for contest in decided if contest.claims[0].seat == seat]
+        claims = [(claim, one.claims[0]) for one in decided for claim in one.claims[1:] if claim.seat == seat]
+        lost = [(claim.distance_um or 0) - (winner.distance_um or 0) for claim, winner in claims]
         summary.catches, summary.contests_won, summary.contests_lost = score, len(won), len(lost)
+        summary.contests_lost_to_mates = sum(claim.mate for claim, _ in claims)
         summary.won_by_um = sum(won) / len(won) if won else None
         summary.lost_by_um = sum(lost) / len(lost) if lost else None
         refused = self._verdicts.keys() - {Verdict.GRANTED, Verdict.LOST_CONTEST}
