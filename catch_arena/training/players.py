@@ -268,14 +268,16 @@ class Players:
             for group in [seats == seat for seat in np.unique(seats)] if self._seats_differ else [slice(None)]:
                 rows = arenas[group], agents[group]
                 ranks, velocities = player.act_batch(self.view(observations, masks, rows, player.control))
-                if ranks is not None:
-                    legal, bounds = (ranks >= 0) & (ranks <= self._ranks), f"whole numbers from 0 to {self._ranks}"
-                    self._require_legal(player, bounds, ranks, legal, rows)
-                    choices[rows] = ranks
-                if velocities is not None:
-                    legal = np.all((velocities >= -1.0) & (velocities <= 1.0), axis=1)  # NaN fails both tests
-                    self._require_legal(player, "numbers in [-1, 1]", velocities, legal, rows)
-                    commands[rows] = velocities
+                for low, high, given, written in ((0, self._ranks, ranks, choices), (-1, 1, velocities, commands)):
+                    if given is None:
+                        continue
+                    legal = ((given >= low) & (given <= high)).reshape(len(given), -1).all(axis=1)  # NaN fails both
+                    if not legal.all():
+                        wrong = int(np.argmin(legal))
+                        where = self._place(int(rows[0][wrong]), int(rows[1][wrong]))
+                        got = f"got {given[wrong].tolist()}{where}"
+                        raise AgentError(f"{player.label}: actions must be from {low} to {high}, {got}")
+                    written[rows] = given
 
     def save(self) -> dict[str, Any]:
         """R10.2: return a copy of the pool, the seats, and everything that the agents store, for `restore`.
@@ -291,15 +293,6 @@ class Players:
 
     def _place(self, arena: int, agent: int) -> str:
         return f" for {self._names[agent]} in arena {arena}"
-
-    def _require_legal(
-        self, player: Player, bounds: str, given: NDArray[Any], legal: NDArray[np.bool_], rows: Rows
-    ) -> None:
-        """Raise an AgentError for the first row whose action is not legal."""
-        if not legal.all():
-            row = int(np.argmin(legal))
-            place = self._place(*(int(numbers[row]) for numbers in rows))
-            raise AgentError(f"{player.label}: actions must be {bounds}, got {given[row].tolist()}{place}")
 
 
 def action_arrays(
