@@ -1,10 +1,10 @@
 """Trained networks in NumPy, without the library that trained them; they load in milliseconds."""
 
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,6 +13,7 @@ from catch_arena.config import RULESET
 from catch_arena.errors import ConfigError, reason
 from catch_arena.files import whole_file
 
+T = TypeVar("T")
 Layers = list[tuple[NDArray[np.float32], NDArray[np.float32]]]
 
 ACTIVATIONS: Final = {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0)}
@@ -111,24 +112,27 @@ class Mlp:
         Raises:
             ConfigError: for a file of another kind, a damaged one, or one of another ruleset.
         """
-        tables = read_tables(path, "Mlp.save", {"activation": None, "ruleset": RULESET})
-        try:
-            count = (len(tables) - 1) // 2  # rounded up: a missing table raises a KeyError
-            layers = [(tables[f"w_{place}"], tables[f"b_{place}"]) for place in range(count)]
-            return cls(layers, tables["activation"].item())
-        except (ConfigError, ValueError, TypeError, KeyError) as error:
-            raise ConfigError(f"{path}: cannot load a file from Mlp.save: {reason(error)}") from None
+
+        def made(tables: dict[str, NDArray[Any]]) -> Mlp:
+            activation, count = tables.pop("activation").item(), (len(tables) + 1) // 2
+            return cls([(tables[f"w_{place}"], tables[f"b_{place}"]) for place in range(count)], activation)
+
+        return load_network(path, "Mlp.save", {"ruleset": RULESET}, made)
 
 
-def read_tables(
-    path: str | os.PathLike[str], written_by: str, known: dict[str, str | int | None]
-) -> dict[str, NDArray[Any]]:
-    """Return the tables of an .npz file, read without pickles.
+def load_network(
+    path: str | os.PathLike[str],
+    written_by: str,
+    known: dict[str, str | int],
+    make: Callable[[dict[str, NDArray[Any]]], T],
+) -> T:
+    """Return the network in an .npz file, which is read without pickles.
 
     Args:
         path: the file.
         written_by: name of the function that writes such files, for errors.
-        known: names and values of the single values that the file must have; None allows any value.
+        known: names and values of single values that the file must have.
+        make: makes the network of the other tables.
 
     Raises:
         ConfigError: for a file of another kind, a damaged one, or other values.
@@ -136,14 +140,12 @@ def read_tables(
     try:
         with Path(path).open("rb") as raw, np.load(raw) as file:
             tables = {name: file[name] for name in file.files}
+        for name, value in known.items():
+            if (found := tables.pop(name).item()) != value:
+                raise ConfigError(f"{name} must be {value}, got {found}; train the network again")
+        return make(tables)
     except Exception as error:  # noqa: BLE001 - zipfile, zlib and NumPy raise errors of any type for a damaged file
         raise ConfigError(f"{path}: cannot load a file from {written_by}: {reason(error)}") from None
-    for name, value in known.items():
-        if name not in tables or tables[name].shape != ():
-            raise ConfigError(f"{path}: must be a file from {written_by}: it has no {name}")
-        if value is not None and tables[name].item() != value:
-            raise ConfigError(f"{path}: {name} must be {value}, got {tables[name].item()}; train the network again")
-    return tables
 
 
 def require_finite(name: str, numbers: NDArray[np.float32]) -> None:

@@ -19,7 +19,7 @@ from catch_arena.errors import ConfigError
 from catch_arena.files import whole_file
 from catch_arena.policy import Limits, View
 from catch_arena.training.destinations import FEATURES, VERSION, Destinations, destinations
-from catch_arena.training.networks import read_tables, require_finite
+from catch_arena.training.networks import load_network, require_finite
 
 Head = Literal["destination", "rank", "velocity"]
 """The network's decision: the place that `drive` goes to, the target that the arena's controller chases, or the
@@ -112,13 +112,8 @@ class PointerNetwork:
         Raises:
             ConfigError: for a file of another kind, a damaged one, or one of another ruleset or of other features.
         """
-        known = {"head": None, "features": VERSION, "ruleset": RULESET}
-        tables = read_tables(path, "PointerNetwork.save", known)
-        try:
-            weights = {name: table for name, table in tables.items() if name not in ("head", "features", "ruleset")}
-            return cls(tables["head"].item(), weights)
-        except (ConfigError, ValueError, TypeError) as error:
-            raise ConfigError(f"{path}: {error}") from None
+        known: dict[str, str | int] = {"features": VERSION, "ruleset": RULESET}
+        return load_network(path, "PointerNetwork.save", known, lambda tables: cls(tables.pop("head").item(), tables))
 
 
 def weight_shapes(head: Head, hidden: int) -> dict[str, tuple[int, ...]]:

