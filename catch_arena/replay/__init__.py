@@ -1,11 +1,11 @@
 """Replays: matches that are recorded, saved, loaded, played again, checked and compared (docs/reference/replays.md).
 
-- recording: `Replay`, a recorded match. recorder: `Recorder` of the episodes of an arena.
+- recording: `Replay`, a recorded match, and `Recorder` of the episodes of an arena.
 - fileformat: the file of a replay, with states (numbers in whole millionths) and codec
   (columns of whole numbers as bytes). named_requests: requests by name, which are judged again.
 - verification: checks if a match plays as recorded. comparison: the first differences of two matches.
   motion: poses between two states.
 """
 
-from catch_arena.replay.recorder import Recorder as Recorder
+from catch_arena.replay.recording import Recorder as Recorder
 from catch_arena.replay.recording import Replay as Replay

@@ -87,11 +87,8 @@ def _shares(weights: ArrayLike, count: int) -> NDArray[np.float64]:
         given = np.array(weights, dtype=np.float64)
     except (TypeError, ValueError):
         given = np.zeros(0)
-    if given.shape != (count,):
-        raise ConfigError(f"weights of opponents must be numbers, one for each of {count}, got {shortened(weights)}")
-    if not (np.isfinite(given).all() and (given >= 0).all() and given.sum() > 0):
-        raise ConfigError(
-            f"weights of opponents must be at least 0, and at least one must be positive, got {shortened(weights)}"
-        )
+    if given.shape != (count,) or not (np.isfinite(given).all() and (given >= 0).all() and given.any()):
+        must = f"{count} finite numbers of at least 0, of which at least one is positive"
+        raise ConfigError(f"weights of opponents must be {must}, got {shortened(weights)}")
     shares: NDArray[np.float64] = given / given.sum()
     return shares

@@ -262,8 +262,11 @@ def test_after_an_opponent_that_cannot_begin_an_episode_all_must_be_reset():
     [
         ([], r"opponents must name at least one agent, got \[\]"),
         ({}, "opponents must name at least one agent"),
-        ({"nearest": 0.0}, "weights of opponents must be at least 0, and at least one must be positive"),
-        ({"nearest": -1, "patrol": 2}, "weights of opponents must be at least 0"),
+        (
+            {"nearest": 0.0},
+            "weights of opponents must be 1 finite numbers of at least 0, of which at least one is positive",
+        ),
+        ({"nearest": -1, "patrol": 2}, "weights of opponents must be 2 finite numbers of at least 0"),
         ({"nearest": "often"}, "weights of opponents must be"),
     ],
 )
