@@ -96,10 +96,8 @@ class StepExplanation:
             f"{one.target}, {metres(one.distance_um)} away and {one.off_heading_deg:.1f} degrees off its heading"
             for one in hunter.unseen[:_MOST_UNSEEN]
         ]
-        if more := len(hunter.unseen) - len(shown):
-            shown.append(f"{more} more")
         saw = f"{hunter.seen} of {counted(hunter.seen + len(hunter.unseen), 'target')}"
-        return f"It sees targets that are {listed(limits)} (R7.5): {saw}. Out of its sight: {'; '.join(shown)}."
+        return f"It sees targets that are {listed(limits)} (R7.5): {saw}. The nearest others: {'; '.join(shown)}."
 
     def _prey_action(self, prey: PreyAction) -> str:
         """Return one prey's action in words, with its capture and return."""

@@ -20,9 +20,11 @@ from catch_arena.replay.states import USED_UP, QuantisedState, parts_of
 from catch_arena.text import printable
 
 MOST_REQUESTS: Final = 1 << 16
-"""Largest number of named requests in a match, shared equally by the hunters; a node can send thousands per second."""
-MOST_CHARACTERS: Final = 1 << 20
-"""Largest number of characters in the names of all named requests, shared equally by the hunters."""
+"""Largest number of named requests in a file."""
+_MOST_CHARACTERS: Final = 1 << 20
+"""Room for the named requests of a match, shared equally by the hunters; a node can send thousands per second."""
+_CHARACTERS_PER_REQUEST: Final = _MOST_CHARACTERS // MOST_REQUESTS
+"""Room that each request takes in addition to its name."""
 _LONGEST_NAME: Final = 256
 """Number of characters kept of a name, one more than R5.2 allows: a longer name stays too long."""
 _LONGEST_SHOWN: Final = 60
@@ -47,17 +49,15 @@ class RequestBudget:
     """
 
     def __init__(self, hunters: int) -> None:
-        self._requests = [MOST_REQUESTS // hunters] * hunters
-        self._characters = [MOST_CHARACTERS // hunters] * hunters
+        self._room = [_MOST_CHARACTERS // hunters] * hunters
         self.left_out = 0
         """Number of requests that were not kept, since the hunter's share was used up."""
 
     def admit(self, step: int, seat: int, name: object) -> NamedRequest | None:
         """Return the request to store, or None if the hunter's share is used up."""
         kept = name[:_LONGEST_NAME] if isinstance(name, str) else None
-        self._requests[seat] -= 1
-        self._characters[seat] -= len(kept or "")
-        if min(self._requests[seat], self._characters[seat]) < 0:
+        self._room[seat] -= _CHARACTERS_PER_REQUEST + len(kept or "")
+        if self._room[seat] < 0:
             self.left_out += 1
             return None
         return NamedRequest(step, seat, kept)

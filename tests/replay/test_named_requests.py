@@ -77,7 +77,7 @@ def test_one_name_that_differs_is_told(named):
 
 
 def test_a_flood_leaves_the_others_their_part_and_the_match_its_file(tmp_path):
-    """Each hunter may have a half of the requests here, and of their letters; the match is kept whole."""
+    """Each hunter may have a half of the room here; the match is kept whole."""
     service = ArenaService("duel", control_period_ms=16, time_limit_s=0.1)
     service.record(("a", "b"))
     service.reset(1)
@@ -88,8 +88,8 @@ def test_a_flood_leaves_the_others_their_part_and_the_match_its_file(tmp_path):
     service.step(requests=[("hunter_1", CatchTurtleRequest("x"))])
     kept = Counter((one.step, one.seat) for one in service.replay.named_requests)
 
-    assert kept == {(0, 0): 2**19 // 256, (2, 1): 1}
-    assert service.requests_left_out == 3000 - 2**19 // 256 + 40_000
+    assert kept == {(0, 0): 2**19 // 272, (2, 1): 1}
+    assert service.requests_left_out == 3000 - 2**19 // 272 + 40_000
 
     service.replay.save(tmp_path / "flood.replay")
     assert (tmp_path / "flood.replay").stat().st_size < 2**20
