@@ -111,7 +111,6 @@ class TeamSummary:
     name: str
     seats: tuple[int, ...]
     score: int
-    rank: int
 
 
 @dataclass(slots=True)

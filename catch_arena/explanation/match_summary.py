@@ -101,7 +101,7 @@ class Explanation:
     def _opening(self) -> str:
         """Return the length of the match, its rule for contests, and the catches of each team and hunter, in words."""
         heading = f"{self.title}: " if self.title else ""
-        sums = [f"{team.name} {team.score}" for team in sorted(self.teams, key=lambda team: team.rank)]
+        sums = [f"{team.name} {team.score}" for team in sorted(self.teams, key=lambda team: -team.score)]
         of_teams = f"Teams (R11.1): {listed(sums)}. " if sums else ""
         length = f"{counted(self.steps, 'step')}, {seconds(self.duration_ms)}"
         caught = zip(self.names, self.scores, strict=True)
@@ -205,19 +205,12 @@ def explain(
         ),
         refusals=tuple(one for one in refusals if one.target in own_targets or one.seat in seats),
         records=tuple(hunters[seat].finished(scores[seat], contests) for seat in seats),
-        teams=_teams(replay, scores),
+        teams=tuple(
+            TeamSummary(team_label(replay, members), members, sum(scores[seat] for seat in members))
+            for members in replay.config.teams or ()
+        ),
         captures=tuple(one for one in captures if one.prey in prey_indices or one.seat in seats),
         prey=tuple(prey[index].summary for index in prey_indices),
-    )
-
-
-def _teams(replay: Replay, scores: Sequence[int]) -> tuple[TeamSummary, ...]:
-    """R11.1: return the results of the teams, in the config's order."""
-    teams = replay.config.teams or ()
-    sums = [sum(scores[seat] for seat in seats) for seats in teams]
-    return tuple(
-        TeamSummary(team_label(replay, seats), seats, score, 1 + sum(rival_score > score for rival_score in sums))
-        for seats, score in zip(teams, sums, strict=True)
     )
 
 
