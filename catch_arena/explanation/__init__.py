@@ -2,7 +2,7 @@
 
 - match_summary: a whole match. step_explanation: one step in detail. highlights: moments worth seeing.
 - what_if: the smallest change of actions with which a lost contest would have been won.
-- facts: the data of explanations. contests: contests of a step. seen_targets: targets in sight.
+- facts: the data of explanations. contests: contests of a step, and targets out of sight.
 - sentences: parts of the words, with formatting for lengths and times. seats: labels of agents, and selection by name.
 """
 
@@ -16,9 +16,9 @@ from catch_arena.explanation.facts import PreyAction as PreyAction
 from catch_arena.explanation.facts import PreySummary as PreySummary
 from catch_arena.explanation.facts import Refusals as Refusals
 from catch_arena.explanation.facts import TeamSummary as TeamSummary
+from catch_arena.explanation.facts import Unseen as Unseen
 from catch_arena.explanation.match_summary import Explanation as Explanation
 from catch_arena.explanation.match_summary import explain as explain
-from catch_arena.explanation.seen_targets import Unseen as Unseen
 from catch_arena.explanation.step_explanation import StepExplanation as StepExplanation
 from catch_arena.explanation.step_explanation import explain_step as explain_step
 from catch_arena.explanation.step_explanation import step_at as step_at

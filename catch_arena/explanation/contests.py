@@ -1,12 +1,18 @@
-"""Contests of a step, from the arbiter's evidence (R5.6), and the lots that decided them."""
+"""Facts of one step: contests, from the arbiter's evidence (R5.6), and targets that a hunter did not see (R7.5)."""
 
+import math
 from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 
+from catch_arena.config import ArenaConfig
+from catch_arena.core.arbiter import measure_um
+from catch_arena.core.math import sincos
 from catch_arena.core.random import service_lot, tie_lot
-from catch_arena.explanation.facts import Claim, Contest
+from catch_arena.core.visibility import is_seen
+from catch_arena.engine.core_settings import settings_of
+from catch_arena.explanation.facts import Claim, Contest, Unseen
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
@@ -54,3 +60,17 @@ def _contest(replay: Replay, world: World, target: str, rulings: Sequence[Ruling
     )
     judged_ms = world.time_ms - replay.config.control_period_ms
     return Contest(world.step, judged_ms, target, clause, claims)
+
+
+def unseen_targets(config: ArenaConfig, world: World, seat: int) -> list[Unseen]:
+    """Return the targets that a seat does not see, the nearest first; a withdrawn hunter counts like an active one."""
+    settings = settings_of(config, with_parts=False)
+    me, found = world.hunters[seat], []
+    sine, cosine = sincos(me.theta)
+    for target in world.targets:
+        dx, dy = target.x - me.x, target.y - me.y
+        if is_seen(dx, dy, sine, cosine, config.reaches_um[seat], settings):
+            continue
+        off_deg = abs(math.degrees(math.remainder(math.atan2(dy, dx) - me.theta, 2.0 * math.pi)))
+        found.append(Unseen(target.name, int(measure_um(dx, dy)), off_deg))
+    return sorted(found, key=lambda target: target.distance_um)

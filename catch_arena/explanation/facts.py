@@ -3,7 +3,6 @@
 from dataclasses import asdict, dataclass, field, is_dataclass
 from typing import Any
 
-from catch_arena.explanation.seen_targets import Unseen
 from catch_arena.verdicts import Ruling, Verdict
 
 
@@ -149,6 +148,16 @@ class PreySummary:
     out: bool = False
     """True if the prey is out at the end."""
     withdrawn_ms: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Unseen:
+    """A target that a hunter did not see (R7.5)."""
+
+    target: str
+    distance_um: int
+    off_heading_deg: float
+    """Angle between the hunter's heading and the target's direction [degrees], 0 to 180."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,7 @@ from itertools import pairwise
 from typing import Any, Final
 
 from catch_arena.config import ArbitrationPolicy
-from catch_arena.explanation.contests import contests_of
+from catch_arena.explanation.contests import contests_of, unseen_targets
 from catch_arena.explanation.facts import (
     Capture,
     Catch,
@@ -20,7 +20,6 @@ from catch_arena.explanation.facts import (
 )
 from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, team_label, with_seat
-from catch_arena.explanation.seen_targets import unseen_targets
 from catch_arena.explanation.sentences import (
     contest_sentence,
     counted,

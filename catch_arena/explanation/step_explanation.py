@@ -8,11 +8,10 @@ from typing import Any, Final
 
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError, require_type
-from catch_arena.explanation.contests import contests_of
+from catch_arena.explanation.contests import contests_of, unseen_targets
 from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, with_seat
-from catch_arena.explanation.seen_targets import unseen_targets
 from catch_arena.explanation.sentences import (
     contest_sentence,
     counted,

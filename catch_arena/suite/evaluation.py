@@ -19,6 +19,8 @@ from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.plans.schedule import Plan
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
+_enter_once = cache(enter)
+
 
 @dataclass(frozen=True, slots=True)
 class Evaluation:
@@ -48,7 +50,7 @@ class Evaluation:
 
     def entrants(self, scenario: SuiteScenario) -> tuple[Entrant, ...]:
         """Return the agent and its opponents in the plan's order; an opponent of its name is called `nearest#2`."""
-        opponents = _entered(scenario.opponents)
+        opponents = _enter_once(scenario.opponents)
         return self.agent, *(replace(one, name=one.name + "#2" * (one.name == self.agent.name)) for one in opponents)
 
     def require_new(self) -> None:
@@ -136,8 +138,3 @@ class Evaluation:
 
     def _folder(self, scenario: SuiteScenario) -> Path:
         return self.folder / scenario.name
-
-
-@cache
-def _entered(names: tuple[str, ...]) -> tuple[Entrant, ...]:
-    return enter(names)

@@ -14,7 +14,7 @@ from oracle.arithmetic import draw, key
 from catch_arena import ArenaService, Verdict, arbitrate, explain, explain_step
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import step_at
-from catch_arena.explanation.seen_targets import unseen_targets
+from catch_arena.explanation.contests import unseen_targets
 from catch_arena.messages import CatchTurtleRequest
 
 TIED = ((5.0, 5.0, 0.0), (5.2, 5.0, 0.0), (5.0, 5.0, 0.0))
