@@ -424,7 +424,7 @@ def train() -> None:
     torch.set_num_threads(1)
     torch.manual_seed(settings.seed)
     learner = Learner(settings)
-    interrupts.add_to_message("the run is kept; --resume continues")
+    interrupts.add_to_message("each finished update is kept; --resume continues")
     if state is not None:
         learner.restore(state)
     elif settings.start:

@@ -123,7 +123,7 @@ def tournament(
     about = Tournament(config, entrants, plan.parameters, secret.text, terms_of(quotas, max_forfeits, recorded=record))
     new = not (out / STORE).exists()
     if new:
-        if not force and out.is_dir() and any(out.iterdir()):
+        if not force and out.is_dir() and any(out.glob("[!.]*")):
             raise OutputError(f"{out}: has other files; use --force to write into it, or choose another folder")
         cost = measure_cost(worker, plan)
         own_console(err=True).print(plan_table(plan, len(entrants), cost, jobs))

@@ -332,13 +332,15 @@ class _Search:
             return f"For {length} from {begin}: head for {new} instead of {listed(old)}"
         limits = np.array((config.max_speeds[self.seat], config.max_turn_rates[self.seat]))
         recorded = np.mean([self._replay.commands[step][self.seat] for step in run], axis=0) * limits
-        parts = [
-            f"{verb} at {fraction * limit:.2f} {unit} instead of {average:.2f} {unit} on average"
-            for verb, unit, fraction, limit, average in zip(
-                ("drive", "turn"), ("m/s", "rad/s"), change.command, limits, recorded, strict=True
+        (linear, angular), parts = change.command, []
+        if linear is not None:
+            parts.append(f"drive at {linear * limits[0]:.2f} m/s instead of {recorded[0]:.2f} m/s on average")
+        if angular is not None:
+            new, old = (
+                f"{'left' if rate > 0.0 else 'right'} at {abs(rate):.2f} rad/s"
+                for rate in (angular * limits[1], recorded[1])
             )
-            if fraction is not None
-        ]
+            parts.append(f"turn {new} instead of {old} on average")
         if change.goal is not None:
             parts.append(f"request {self.target}")
         return f"For {length} from {begin}: {listed(parts)}"

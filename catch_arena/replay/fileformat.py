@@ -122,7 +122,6 @@ def _decode_body(form: int, body: BytesIO) -> Replay:
         ruleset = repr(header.ruleset)[:_LONGEST_TEXT]
         raise ReplayError(f"was recorded under ruleset {ruleset}, but this version plays {RULESET!r}")
     config, steps = ArenaConfig.from_dict(header.config), header.steps
-    checked_text("name_prefix", config.name_prefix)
     names, title = checked_names(header.names, config), checked_text("title", header.title)
     if any(agent >= len(names) for _, agent in header.withdrawals) or len(header.colors) not in (0, config.hunters):
         raise ReplayError("is damaged: its header has withdrawals or colors of agents that it does not have")

@@ -262,7 +262,6 @@ class Recorder:
         from catch_arena.replay.fileformat import checked_names, checked_text
 
         called = checked_names(names, self._config)
-        checked_text("name_prefix", self._config.name_prefix)
         self._names_and_title = called, checked_text("title", title)
 
     def begin(self, seed: int, engine: Engine) -> None:

@@ -62,8 +62,11 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
             ConfigError: for a mask, a seed or options that are not allowed.
         """
         require_options(options)
-        seeds = as_python(seed)
-        first = seeds[0] if isinstance(seeds, list | tuple) and len(seeds) == self.num_envs else seeds
+        first = as_python(seed)
+        if isinstance(first, Sequence) and not isinstance(first, str | bytes):
+            if len(first) != self.num_envs:
+                raise ConfigError(f"seed must be one number, or one for each of {self.num_envs} rows, got {len(first)}")
+            first = first[0]
         arenas = None
         if options is not None and "reset_mask" in options:
             rows = np.asarray(options["reset_mask"])

@@ -252,7 +252,7 @@ def test_ctrl_c_keeps_the_run_and_the_agent(tmp_path, when):
     for _ in range(2 if when == "decisions, " else 1):  # the line of an update comes before its run is saved
         next(lines)
     output = interrupted(process)
-    assert output[-1] == "catch-arena: interrupted: the run is kept; --resume continues"
+    assert output[-1] == "catch-arena: interrupted: each finished update is kept; --resume continues"
     assert not [line for line in output if "Traceback" in line]
     made = int(table(out / "progress.csv")[-1]["decisions"])
     assert PointerNetwork.load(out / "agent.npz").head == "destination"
