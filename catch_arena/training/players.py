@@ -276,7 +276,7 @@ class Players:
                         wrong = int(np.argmin(legal))
                         where = self._place(int(rows[0][wrong]), int(rows[1][wrong]))
                         got = f"got {given[wrong].tolist()}{where}"
-                        raise AgentError(f"{player.label}: actions must be from {low} to {high}, {got}")
+                        raise AgentError(f"{player.label}: actions must be numbers in [{low}, {high}], {got}")
                     written[rows] = given
 
     def save(self) -> dict[str, Any]:

@@ -109,7 +109,7 @@ def test_a_scenario_can_be_played_by_a_person(session, name):
     _, replay = played(session, "--scenario", name, *dropout, "--seed", "3", "intercept")
     assert replay.config.target_motion == SCENARIOS[name].target_motion
     assert replay.steps == 10
-    assert explain(replay).records[0].dropped_out == (name == "dropout")
+    assert (explain(replay).records[0].out == "dropped out (R1.7)") == (name == "dropout")
 
 
 def test_a_person_plays_prey(session):

@@ -183,8 +183,8 @@ RAISES = BatchFixed(out_of_ideas)
     ("opponent", "message"),
     [
         (RAISES, "opponent BatchFixed: act_batch raised IndexError: no more ideas"),
-        (BatchFixed(nonsense((), 9)), "actions must be from 0 to 8, got 9 for hunter_1 in arena 2"),
-        (BatchFixed(nonsense((), -1)), "actions must be from 0 to 8, got -1 for hunter_1 in arena 2"),
+        (BatchFixed(nonsense((), 9)), "actions must be numbers in \\[0, 8\\], got 9 for hunter_1 in arena 2"),
+        (BatchFixed(nonsense((), -1)), "actions must be numbers in \\[0, 8\\], got -1 for hunter_1 in arena 2"),
         (BatchFixed(nonsense((), 1.0)), "actions must be whole numbers, got an array of float64 of the shape"),
         (BatchFixed(None), "opponent BatchFixed: actions must be whole numbers, got None"),
         (BatchFixed([1, 2]), r"actions must have the shape \(3,\), got \(2,\)"),

@@ -159,7 +159,7 @@ class Alone:
         (Alone, r"prey Alone: an action must be two numbers in \[-1, 1\], got \(2.0, 0.0\) for prey_0 in arena 0"),
         (
             Counting(with_row(6, (0.0, 1.5))),
-            r"prey Counting: actions must be from -1 to 1, got \[0.0, 1.5\] for prey_2 in arena 1",
+            r"prey Counting: actions must be numbers in \[-1, 1\], got \[0.0, 1.5\] for prey_2 in arena 1",
         ),
         (Counting(with_row(3, (np.nan, 0.0))), r"got \[nan, 0.0\] for prey_3 in arena 0"),
     ],
