@@ -94,7 +94,7 @@ class Bus(LocalBus):
 
     def interfaces(self, given):
         if self.fault:
-            raise BusError(*self.fault)
+            raise BusError(self.fault)
         return given
 
 
@@ -111,7 +111,7 @@ def test_the_doctor_says_what_is_there_and_for_each_problem_what_to_do(monkeypat
         "node /turtle_controller: publishes /turtle1/cmd_vel (geometry_msgs/msg/Twist), subscribes to "
     )
 
-    problems = examine(Bus(PLAYER, ("my package is not built", "build it")), TYPES, 0.0)[1]
+    problems = examine(Bus(PLAYER, "my package is not built: build it"), TYPES, 0.0)[1]
     assert problems == ["my package is not built: build it"]
     assert examine(Bus([]), TYPES, 0.0)[1][0].startswith("no other node was found: start yours; ")
     spawner = Endpoint("/turtle_spawner", "service", "/catch_turtle", CATCH)

@@ -511,7 +511,7 @@ def test_r5_10_a_refused_kill_is_told_to_those_who_were_enough(arbiter: Arbiter)
             {"hunters_per_catch": 2, "teams": [(0, 1)], "policy": "capstone"},
             "hunters_per_catch must be 1 under the policy 'capstone', got 2",
         ),
-        ({"teams": [(0,)]}, "teams must name each seat from 0 to 1 once, got no team for seat 1"),
+        ({"teams": [(0,)]}, "teams must name each seat from 0 to 1 once, and each team"),
         ({"teams": "01"}, "teams must be a tuple of tuples of seats"),
     ],
 )

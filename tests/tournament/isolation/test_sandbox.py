@@ -238,7 +238,7 @@ def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
         ({"memory_mib": 1.5}, "memory_mib must be a whole number from 32 to 1000000, got 1.5"),
         ({"init_s": True}, "init_s must be a number"),
         ({"step": 3}, "unknown limit 'step': did you mean step_ms"),
-        ({"isolation": "namespace"}, "isolation must be one of namespaces, processes, got 'namespace'; did you"),
+        ({"isolation": "namespace"}, "isolation must be one of namespaces, processes, got 'namespace'"),
     ],
 )
 def test_limits_that_cannot_be_are_named(values, message):
