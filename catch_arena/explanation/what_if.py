@@ -336,11 +336,11 @@ class _Search:
         if linear is not None:
             parts.append(f"drive at {linear * limits[0]:.2f} m/s instead of {recorded[0]:.2f} m/s on average")
         if angular is not None:
-            new, old = (
+            to, instead_of = (
                 f"{'left' if rate > 0.0 else 'right'} at {abs(rate):.2f} rad/s"
                 for rate in (angular * limits[1], recorded[1])
             )
-            parts.append(f"turn {new} instead of {old} on average")
+            parts.append(f"turn {to} instead of {instead_of} on average")
         if change.goal is not None:
             parts.append(f"request {self.target}")
         return f"For {length} from {begin}: {listed(parts)}"
