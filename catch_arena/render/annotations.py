@@ -11,7 +11,7 @@ import numpy as np
 
 from catch_arena.render.lens import Lens, lens_of, millimetres
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import INK, WHITE, Label, Ring, Shape, Stroke, mix
+from catch_arena.render.shapes import INK, WHITE, Label, Path, Ring, Shape, mix
 from catch_arena.render.text import text_width, truncated
 from catch_arena.render.viewport import GROUND, Viewport
 from catch_arena.replay.motion import Pose2D
@@ -157,10 +157,10 @@ def annotation_shapes(
         elif annotation.kind == "lost":
             lines = [(annotation.seat, 0.8)]
         x, y = viewport.to_pixels(annotation.x, annotation.y)
-        for seat, thickness in lines:  # they become thinner, since strokes are opaque
+        for seat, thickness in lines:  # they become thinner, since paths are opaque
             width = max(0.8, 0.08 * viewport.hunter_length * thickness * (1.0 - part))
             color = mix(info.color(seat), GROUND, 0.8 * part)
-            shapes.append(Stroke(*viewport.to_pixels(*poses[seat][:2]), x, y, width, color))
+            shapes.append(Path((viewport.to_pixels(*poses[seat][:2]), (x, y)), width, color))
         if annotation.kind == "catch":
             shapes.append(_catch_ring(viewport, x, y, part))
     size = max(10, round(0.34 * viewport.hunter_length))

@@ -9,7 +9,7 @@ from typing import Final, NamedTuple
 
 from catch_arena.render import hud
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import INK, WHITE, Box, Label, Ring, Shape, Stroke, Turtle
+from catch_arena.render.shapes import INK, WHITE, Box, Label, Path, Ring, Shape, Turtle
 from catch_arena.render.text import text_width
 from catch_arena.render.viewport import GROUND, TARGET, Viewport
 from catch_arena.world import World
@@ -137,8 +137,8 @@ def _inset(left: float, top: float, size: float, info: MatchInfo, lens: Lens) ->
         away = claimant.distance_um * scale
         end = (x + math.cos(claimant.direction) * away, y - math.sin(claimant.direction) * away)
         shapes += [
-            Stroke(x, y, *end, 7 * unit, INK),
-            Stroke(x, y, *end, 4 * unit, info.color(claimant.seat)),
+            Path(((x, y), end), 7 * unit, INK),
+            Path(((x, y), end), 4 * unit, info.color(claimant.seat)),
             Turtle(*end, claimant.theta, 46 * unit, info.color(claimant.seat)),
             Label(*end, info.number(claimant.seat), text, WHITE, 800, "center", outline=INK),
         ]

@@ -63,8 +63,6 @@ class Canvas:
                     self._ring(shape)
                 case shapes.Sector():
                     self._sector(shape)
-                case shapes.Stroke():
-                    self._stroke(shape)
                 case shapes.Path():
                     self._path(shape)
                 case shapes.Polygon():
@@ -107,12 +105,6 @@ class Canvas:
         tint = cv2.merge([cv2.convertScaleAbs(cover, alpha=channel / 255.0) for channel in (*shape.color, 255)])
         kept = cv2.multiply(part, cv2.merge([cv2.bitwise_not(cover)] * 4), scale=1.0 / 255.0)
         cv2.add(kept, tint, dst=part)
-
-    def _stroke(self, shape: shapes.Stroke) -> None:
-        color = (*shape.color, 255)
-        start = (round(shape.x0 * 16 - 8), round(shape.y0 * 16 - 8))
-        end = (round(shape.x1 * 16 - 8), round(shape.y1 * 16 - 8))
-        cv2.line(self.pixels, start, end, color, max(1, round(shape.width)), cv2.LINE_AA, _SHIFT)
 
     def _path(self, shape: shapes.Path) -> None:
         points = _sixteenths(np.array(shape.points, dtype=np.float64))

@@ -11,7 +11,7 @@ from typing import Final
 from catch_arena.render.annotations import Annotation, annotation_shapes
 from catch_arena.render.blurred_view import Belief
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import WHITE, Box, Color, Path, Polygon, Ring, Sector, Shape, Stroke, Turtle, mix
+from catch_arena.render.shapes import WHITE, Box, Color, Path, Polygon, Ring, Sector, Shape, Turtle, mix
 from catch_arena.render.viewport import GROUND, TARGET, TARGET_TRAIL, Viewport
 from catch_arena.replay.motion import Pose2D, Poses
 from catch_arena.world import HunterState, TargetState, World
@@ -38,10 +38,9 @@ def ground_shapes(viewport: Viewport) -> list[Shape]:
     spacing = next((step for step in GRID_STEPS_M if step * viewport.scale >= GRID_GAP), viewport.side_m)
     for line in range(1, math.ceil(viewport.side_m / spacing)):
         x, y = viewport.to_pixels(line * spacing, line * spacing)
-        shapes += [Stroke(x, top, x, bottom, 1.0, GRID), Stroke(left, y, left + side, y, 1.0, GRID)]
+        shapes += [Path(((x, top), (x, bottom)), 1.0, GRID), Path(((left, y), (left + side, y)), 1.0, GRID)]
     corners = ((left, bottom), (left + side, bottom), (left + side, top), (left, top))
-    shapes += [Stroke(*a, *b, 1.0, WALL) for a, b in zip(corners, (*corners[1:], corners[0]), strict=True)]
-    return shapes
+    return [*shapes, Path((*corners, corners[0]), 1.0, WALL)]
 
 
 def trail_shape(viewport: Viewport, way: Sequence[Pose2D], agent_color: Color | None) -> Path:

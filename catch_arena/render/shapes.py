@@ -47,19 +47,8 @@ class Sector(NamedTuple):
     """Rectangle that cuts it off: left, top, right, bottom [pixels]."""
 
 
-class Stroke(NamedTuple):
-    """A straight line with round ends, opaque."""
-
-    x0: float
-    y0: float
-    x1: float
-    y1: float
-    width: float
-    color: Color
-
-
 class Path(NamedTuple):
-    """A line through points, opaque."""
+    """A line through points, with round ends, opaque."""
 
     points: tuple[tuple[float, float], ...]
     width: float
@@ -112,7 +101,7 @@ class Label(NamedTuple):
     max_width: float = math.inf
 
 
-Shape = Ring | Sector | Stroke | Path | Polygon | Box | Turtle | Label
+Shape = Ring | Sector | Path | Polygon | Box | Turtle | Label
 
 
 @lru_cache(maxsize=4096)

@@ -10,7 +10,7 @@ from typing import Final
 
 from catch_arena.render.hud import CARD, DIM, TRACK, Rect, font_size, legible
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import WHITE, Box, Color, Label, Path, Shape, Stroke, mix
+from catch_arena.render.shapes import WHITE, Box, Color, Label, Path, Shape, mix
 from catch_arena.render.text import text_width, truncated
 
 COLUMNS: Final = 220
@@ -100,7 +100,7 @@ class Timeline:
     def present_shapes(self, time_ms: float) -> list[Shape]:
         """Return the present as a line across; the contenders' lines lead to it and end in dots."""
         x = self.x(time_ms)
-        present = Stroke(x, self._lane_top - 2.0, x, self._base, max(1.0, 1.6 * self._unit), WHITE)
+        present = Path(((x, self._lane_top - 2.0), (x, self._base)), max(1.0, 1.6 * self._unit), WHITE)
         if not self._has_lines:
             return [present]
         start = self._left + self._last_change * self._step
@@ -108,7 +108,7 @@ class Timeline:
         lines, dot = self._line_styles(), max(3.0, 7.0 * self._unit)
         shapes = self._lead_area(self._scores[-1], start, x)
         shapes += [
-            Stroke(min(start, x), heights[contender], x, heights[contender], thick, color)
+            Path(((min(start, x), heights[contender]), (x, heights[contender])), thick, color)
             for contender, color, thick in lines
         ]
         shapes.append(present)
@@ -164,7 +164,7 @@ class Timeline:
     def _history_shapes(self) -> list[Shape]:
         """Return each contender's lead over the average, up to the last catch."""
         color = mix(CARD, DIM, 0.4)
-        shapes: list[Shape] = [Stroke(self._left, self._zero, self._left + self._width, self._zero, 1.0, color)]
+        shapes: list[Shape] = [Path(((self._left, self._zero), (self._left + self._width, self._zero)), 1.0, color)]
         scores = self._scores
         changes = [0, *(k for k in range(1, len(scores)) if scores[k] != scores[k - 1])]
         heights = [[self._y(value) for value in over_average(scores[column])] for column in changes]

@@ -5,7 +5,7 @@ import itertools
 from catch_arena.config import ArenaConfig
 from catch_arena.render import hud, scene, text
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import Box, Label, Path, Polygon, Stroke, Turtle
+from catch_arena.render.shapes import Box, Label, Path, Polygon, Turtle
 from catch_arena.render.viewport import Viewport
 from catch_arena.replay.motion import poses_of
 from catch_arena.verdicts import Ruling
@@ -67,9 +67,6 @@ def extent(shape) -> tuple[float, float, float, float]:
             return shape.x - half, shape.y - 0.8 * half, shape.x + half, shape.y + 0.8 * half
         case Polygon() | Path():
             x, y = zip(*shape.points, strict=True)
-            return min(x), min(y), max(x), max(y)
-        case Stroke():
-            x, y = (shape.x0, shape.x1), (shape.y0, shape.y1)
             return min(x), min(y), max(x), max(y)
     raise TypeError(shape)
 

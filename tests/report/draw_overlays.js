@@ -20,7 +20,7 @@ function shapes(draw) {
   /** @type {unknown[][]} */
   const rows = [];
   const recorder = Object.create(Pen.prototype);
-  for (const name of ["stroke", "ring", "path"]) {
+  for (const name of ["ring", "path"]) {
     recorder[name] = (/** @type {unknown[]} */ ...row) => rows.push([name, ...row]);
   }
   /** @type {Pen["box"]} */

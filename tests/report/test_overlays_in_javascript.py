@@ -17,7 +17,7 @@ from catch_arena.render import annotations, captions, hud, lens, text
 from catch_arena.render.cards import podium_shapes
 from catch_arena.render.ghost import ghost_shapes, ghost_track, is_low
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import Box, Label, Path, Ring, Stroke, Turtle
+from catch_arena.render.shapes import Box, Label, Path, Ring, Turtle
 from catch_arena.render.viewport import Viewport
 from catch_arena.verdicts import Verdict
 
@@ -134,8 +134,6 @@ def row(shape):
     match shape:
         case Box():
             return ["box", shape.left, shape.top, shape.width, shape.height, css(shape.color), shape.radius]
-        case Stroke():
-            return ["stroke", shape.x0, shape.y0, shape.x1, shape.y1, shape.width, css(shape.color)]
         case Ring():
             color = f"{css(shape.color)}{round(255 * shape.opacity):02x}"
             return ["ring", shape.x, shape.y, shape.radius, shape.width, color, shape.pieces]

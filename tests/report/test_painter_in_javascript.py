@@ -12,7 +12,6 @@ from catch_arena.player.element import player_look
 from catch_arena.render.hud import PANEL, readable_on
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.scene import GRID, ground_shapes
-from catch_arena.render.shapes import Stroke
 from catch_arena.render.viewport import Viewport
 
 PAINTER = Path(__file__).with_name("paint.js")
@@ -38,7 +37,7 @@ def painted():
 def test_the_grid_is_as_wide_as_in_pictures(painted):
     for (side, pixels), lines in zip(ARENAS, painted["lines"], strict=True):
         shapes = ground_shapes(Viewport(pixels, pixels, side))
-        assert lines == sum(isinstance(one, Stroke) and one.color == GRID for one in shapes), (side, pixels)
+        assert lines == sum(one.color == GRID for one in shapes), (side, pixels)
         assert lines < pixels / 10
 
 

@@ -222,8 +222,10 @@ export function drawLens(pen, look, replay, contest, left, top, size) {
   for (const { seat, color, direction, distance, theta } of [...claimants].reverse()) {
     const away = distance * scale;
     const [endX, endY] = [x + Math.cos(direction) * away, y - Math.sin(direction) * away];
-    pen.stroke(x, y, endX, endY, 7 * unit, look.ink);
-    pen.stroke(x, y, endX, endY, 4 * unit, color);
+    /** @type {[number, number][]} */
+    const line = [[x, y], [endX, endY]];
+    pen.path(line, 7 * unit, look.ink);
+    pen.path(line, 4 * unit, color);
     pen.turtle(endX, endY, theta, 46 * unit, color);
     const style = { color: WHITE, weight: 800, outline: look.ink };
     pen.label(endX, endY, String(seat), text, { ...style, align: "center" });

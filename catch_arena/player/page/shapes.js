@@ -117,27 +117,7 @@ export class Pen {
   }
 
   /**
-   * Draw a straight line with round ends.
-   * @param {number} x0
-   * @param {number} y0
-   * @param {number} x1
-   * @param {number} y1
-   * @param {number} width
-   * @param {string} color
-   */
-  stroke(x0, y0, x1, y1, width, color) {
-    const { context } = this;
-    context.strokeStyle = color;
-    context.lineWidth = width;
-    context.lineCap = "round";
-    context.beginPath();
-    context.moveTo(x0, y0);
-    context.lineTo(x1, y1);
-    context.stroke();
-  }
-
-  /**
-   * Draw a line through points.
+   * Draw a line through points, with round ends.
    * @param {[x: number, y: number][]} points
    * @param {number} width
    * @param {string} color
