@@ -18,9 +18,7 @@ from catch_arena.render.shapes import Shape
 from catch_arena.render.window import Screen
 from catch_arena.replay import Replay
 from catch_arena.replay.motion import StepMotion, step_motion
-from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.match_loop import MatchStopped
-from catch_arena.tournament.parties import Parties
 from catch_arena.world import World
 
 SPEEDS: Final = (0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0)
@@ -143,22 +141,19 @@ class MatchWindow:
             self._clock.tick(_FPS)
             self._ahead_ms = 0.0
 
-    def show_result(self, result: MatchResult) -> None:
+    def show_podium(self) -> None:
         """Show the podium until the user quits or restarts, unless the user has quit."""
-        heading = ""
-        if self._seat is not None:
-            heading = overlays.verdict(self._info, Parties.of(self._info.config), result.ranks, result.scores)
         keys = self._line("R: restart    Ctrl-S: save    Esc: quit")
         with suppress(MatchStopped):
             while not self._stopped:
-                self._draw(self._motion.after.time_ms, self._note_shapes() or keys, podium=heading)
+                self._draw(self._motion.after.time_ms, self._note_shapes() or keys, podium=True)
                 self._clock.tick(_FPS)
 
-    def _draw(self, time_ms: float, over: list[Shape], podium: str | None = None) -> list[Any]:
-        """Draw a frame of the latest step, under the podium if it has a heading, and handle and return the events."""
+    def _draw(self, time_ms: float, over: list[Shape], *, podium: bool = False) -> list[Any]:
+        """Draw a frame of the latest step, under the podium at the end, and handle and return the events."""
         self._renderer.draw(time_ms, self._motion.at(time_ms))
-        if podium is not None:
-            self._renderer.draw_podium(heading=podium)
+        if podium:
+            self._renderer.draw_podium()
         self._renderer.draw_over(over)
         self._screen.show(self._renderer.pixels)
         return self._events()

@@ -1,14 +1,12 @@
-"""Texts over the arena: a card with the keys, the result, and a pointer to the person's agent."""
+"""Texts over the arena: a card with the keys, and a pointer to the person's agent."""
 
 from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.render import hud
-from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Box, Color, Label, Polygon, Shape
 from catch_arena.render.text import text_width
 from catch_arena.render.viewport import Viewport
-from catch_arena.tournament.parties import Parties
 
 _KEY: Final[Color] = (58, 67, 118)
 
@@ -29,7 +27,6 @@ WINDOW: Final = (
     (("H",), "show these keys"),
     (("Esc",), "quit"),
 )
-_YOU: Final = "you"
 
 
 def keys_overlay(viewport: Viewport, rows: Sequence[tuple[tuple[str, ...], str]], below: str) -> list[Shape]:
@@ -68,22 +65,6 @@ def keys_overlay(viewport: Viewport, rows: Sequence[tuple[tuple[str, ...], str]]
 
 def _key_width(name: str, size: int) -> float:
     return max(1.6 * size, text_width(name, size, 600) + 0.9 * size)
-
-
-def verdict(info: MatchInfo, parties: Parties, ranks: Sequence[int], scores: Sequence[int]) -> str:
-    """Return the result as text: the winner, or how often the person's prey was caught.
-
-    Ranks and scores are by party.
-    """
-    for (seat,), score in zip(parties.seats[parties.hunting :], scores[parties.hunting :], strict=True):
-        if info.names[seat] == _YOU:
-            return f"You were caught {score} time{'' if score == 1 else 's'}"
-    first = [seats for seats, rank in zip(parties.seats[: parties.hunting], ranks, strict=False) if rank == 1]
-    if len(first) > 1:
-        return f"{len(first)} share the first rank"
-    if _YOU in (info.names[seat] for seat in first[0]):
-        return "You win" if len(first[0]) == 1 else "Your team wins"
-    return f"{info.called(first[0][0])} wins"
 
 
 def seat_pointer(viewport: Viewport, position: tuple[float, float], color: Color) -> list[Shape]:

@@ -83,7 +83,7 @@ def show_match(
                         watch=window,
                         on_forfeit=lambda seat, forfeit: window.notify(f"{names[seat]} has forfeited: {forfeit}"),
                     )
-                    window.show_result(result)
+                    window.show_podium()
                     called = tuple(info.called(seats[0]) for seats in parties.seats)
                     return ShownMatch(result, window.replay, called)
     finally:

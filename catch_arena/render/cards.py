@@ -78,7 +78,7 @@ def _members(info: MatchInfo, team: Contender) -> str:
 
 
 def podium_shapes(
-    area: tuple[int, int], info: MatchInfo, scores: Sequence[int], prey: Sequence[hud.AgentScore], heading: str = ""
+    area: tuple[int, int], info: MatchInfo, scores: Sequence[int], prey: Sequence[hud.AgentScore]
 ) -> list[Shape]:
     """Return the podium over an arena of (width, height): the first three contenders, their scores, and the margin.
 
@@ -87,14 +87,13 @@ def podium_shapes(
         info: names and colours.
         scores: catches by contender.
         prey: scores of the prey.
-        heading: text above it; the winner and its margin if empty.
     """
     width, height = area
     unit = min(width, height) / 720.0
     middle, room = width / 2.0, 0.94 * width
     big, size, small = (hud.font_size(pixels * unit, least) for pixels, least in ((46, 14), (27, 10), (20, 10)))
-    text, top = heading or result(info, scores), 0.5 * height - 265 * unit
-    shapes: list[Shape] = [Label(middle, top, text, big, GOLD, 800, "center", max_width=room)]
+    top = 0.5 * height - 265 * unit
+    shapes: list[Shape] = [Label(middle, top, result(info, scores), big, GOLD, 800, "center", max_width=room)]
     order = sorted(range(len(scores)), key=lambda contender: -scores[contender])[: len(HEIGHTS)]
     foot, wide = 0.5 * height + 215 * unit, 190 * unit
     for place, contender in enumerate(order):
@@ -110,7 +109,7 @@ def podium_shapes(
             Label(x, foot + 26 * unit, name, size, WHITE, 700, "center", max_width=1.06 * wide),
         ]
     if prey:
-        texts = [f"{info.label(score.agent)} was caught {times(score.score)}" for score in prey[:2]]
+        texts = [f"{info.label(score.agent)}: caught {times(score.score)}" for score in prey[:2]]
         more = f", and {len(prey) - 2} more" if len(prey) > 2 else ""
         line = ", ".join(texts) + more
         shapes.append(Label(middle, foot + 70 * unit, line, small, WHITE, 600, "center", max_width=room))
@@ -128,6 +127,7 @@ def result(info: MatchInfo, scores: Sequence[int]) -> str:
         return f"{info.contenders[0].name}: {scores[0]} {'catch' if scores[0] == 1 else 'catches'}"
     winner, margin = lead(scores)
     if winner is not None:
-        return f"{info.contenders[winner].name} wins by {margin}"
+        name = info.contenders[winner].name
+        return f"{name} {'win' if name == 'you' else 'wins'} by {margin}"
     first = [info.contenders[index].name for index, score in enumerate(scores) if score == max(scores)]
     return f"{' and '.join(first)} share the first place" if len(first) == 2 else f"{len(first)} share the first place"

@@ -172,16 +172,11 @@ class MatchRenderer:
         """Draw the title over the dimmed arena as drawn last; `part` in [0, 1] is its strength."""
         return self._draw_card(cards.title_shapes((self.arena.width, self.arena.height), self.info), part)
 
-    def draw_podium(self, part: float = 1.0, heading: str = "") -> Pixels:
-        """Draw the podium over the dimmed arena as drawn last.
-
-        Args:
-            part: strength of the card, in [0, 1].
-            heading: text above it; the winner and its margin if empty.
-        """
+    def draw_podium(self, part: float = 1.0) -> Pixels:
+        """Draw the podium over the dimmed arena as drawn last; `part` in [0, 1] is its strength."""
         prey = [score for score in self._standings if score.hunted]
         area = (self.arena.width, self.arena.height)
-        return self._draw_card(cards.podium_shapes(area, self.info, self._scores, prey, heading), part)
+        return self._draw_card(cards.podium_shapes(area, self.info, self._scores, prey), part)
 
     def _draw_card(self, drawn: Iterable[Shape], part: float) -> Pixels:
         """Dim the arena by `part`, and draw a card over it once it is dark enough."""

@@ -31,6 +31,7 @@ def test_a_whole_match_has_its_title_every_frame_its_last_instant_and_its_podium
     ("names", "scores", "text"),
     [
         ("ab", (3, 1), "a wins by 2"),
+        (("you", "b"), (3, 1), "you win by 2"),
         ("ab", (2, 2), "a and b share the first place"),
         ("abc", (2, 2, 2), "3 share the first place"),
         ("a", (1,), "a: 1 catch"),

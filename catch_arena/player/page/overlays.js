@@ -288,7 +288,7 @@ export function drawPodium(pen, look, replay, side) {
   });
   if (!replay.prey.length) return;
   const caught = replay.hunted(duration).map(({ caught }) => caught === 1 ? "once" : `${caught} times`);
-  const texts = replay.prey.slice(0, 2).map(({ label }, index) => `${label} was caught ${caught[index]}`);
+  const texts = replay.prey.slice(0, 2).map(({ label }, index) => `${label}: caught ${caught[index]}`);
   const more = replay.prey.length > 2 ? `, and ${replay.prey.length - 2} more` : "";
   write(middle, foot + 70 * unit, texts.join(", ") + more, small, 600, 0.94 * side);
 }
