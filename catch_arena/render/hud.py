@@ -3,7 +3,6 @@
 Pure functions from small states to shapes.
 """
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
@@ -101,20 +100,12 @@ class AgentScore(NamedTuple):
         return self.withdrawn or self.out
 
 
-def standings_of(world: World, time_ms: float = math.inf) -> tuple[AgentScore, ...]:
-    """Return the scores of all agents of a world, hunters by seat and then prey by index.
-
-    Args:
-        world: the world at the end of a step.
-        time_ms: an instant of that step; prey that returns at the step's end is still out before it.
-    """
-    in_play = {target.name for target in world.targets if target.spawned_ms <= time_ms}
+def standings_of(world: World) -> tuple[AgentScore, ...]:
+    """Return the scores of all agents of a world, hunters by seat and then prey by index."""
     hunters = [AgentScore(seat, hunter.score, hunter.withdrawn) for seat, hunter in enumerate(world.hunters)]
     prey = [
-        AgentScore(
-            agent, prey_state.times_caught, prey_state.withdrawn, hunted=True, out=prey_state.target not in in_play
-        )
-        for agent, prey_state in enumerate(world.prey, start=len(hunters))
+        AgentScore(agent, state.times_caught, state.withdrawn, hunted=True, out=state.target is None)
+        for agent, state in enumerate(world.prey, start=len(hunters))
     ]
     return (*hunters, *prey)
 

@@ -140,7 +140,8 @@ class MatchRenderer:
             for target in after.targets
             if target.prey is not None
         }
-        self._record_standings(after, began_ms)
+        self._standings = hud.standings_of(after)
+        self._standings_animation.record(began_ms, self._standings)
         catchers = [
             self.info.config.team_by_seat[annotation.seat] for annotation in annotations if annotation.kind == "catch"
         ]
@@ -154,7 +155,6 @@ class MatchRenderer:
         self._ground.fade(time_ms)
         self._annotations = visible_annotations(self._annotations, time_ms)
         world = self._motion.after
-        self._record_standings(world, time_ms)
         self._arena.pixels[:] = self._ground.pixels
         beliefs = self._beliefs(self._motion.before.step)
         self._arena.draw(
@@ -189,12 +189,6 @@ class MatchRenderer:
     def draw_over(self, drawn: Iterable[Shape]) -> None:
         """Draw shapes over the arena, in pixels from its corner; the next `draw` removes them."""
         self._arena.draw(drawn)
-
-    def _record_standings(self, world: World, time_ms: float) -> None:
-        standings = hud.standings_of(world, time_ms)
-        if standings != self._standings:
-            self._standings = standings
-            self._standings_animation.record(time_ms, standings)
 
     def _beliefs(self, step: int) -> list[Belief]:
         """R7.6: return the beliefs of the hunter whose view is shown; empty without view or observations."""
@@ -257,7 +251,7 @@ class ArenaPainter:
     """Painter of one arena's picture at every step that is shown, for `env.render()`.
 
     Trails and catches come from the worlds that were painted before. They begin again at a world of step 0, and at one
-    that cannot follow the last.
+    of an earlier step.
 
     Args:
         config: the arena's settings.
@@ -290,7 +284,7 @@ class ArenaPainter:
         """
         renderer, last = self._renderer, self._last
         self._last = world
-        if last is None or world.step == 0 or world.step < last.step or not self._can_lead_to(last, world):
+        if last is None or world.step == 0 or world.step < last.step:
             renderer.reset(float(world.time_ms))
             self._motion = step_motion(world, world)
             renderer.enter(self._motion)
@@ -311,14 +305,6 @@ class ArenaPainter:
             return self._renderer.draw(float(motion.after.time_ms), motion.poses[-1])
         time_ms = motion.before.time_ms + part * (motion.after.time_ms - motion.before.time_ms)
         return self._renderer.draw(time_ms, motion.at(time_ms))
-
-    def _can_lead_to(self, last: World, world: World) -> bool:
-        """Return whether every hunter can have driven from its place in `last` to its place in `world`."""
-        furthest = max(self._renderer.info.config.max_speeds) * (world.time_ms - last.time_ms + TICK_MS) / 1000.0 + 1e-6
-        return all(
-            abs(now.x - then.x) <= furthest and abs(now.y - then.y) <= furthest
-            for then, now in zip(last.hunters, world.hunters, strict=True)
-        )
 
 
 def png_html(config: ArenaConfig, world: World) -> str:

@@ -23,14 +23,6 @@ def test_frames_are_fresh_arrays_of_the_size_asked_for(match, worlds):
     assert second.any()
 
 
-def test_a_jump_that_nobody_can_drive_leaves_no_trail(match, worlds, play):
-    """A new episode of which the first frame asked for is a later one."""
-    other = list(play(time_limit_s=3.0, seed=99).worlds())[20]
-    painter = ArenaPainter(match.config)
-    painter.paint(worlds[10])
-    assert np.array_equal(painter.paint(other), ArenaPainter(match.config).paint(other))
-
-
 @pytest.mark.parametrize("hunters", [1, 16, 64])
 @pytest.mark.parametrize("layout", ["arena", "broadcast"])
 @pytest.mark.parametrize("size", [(320, 320), (501, 333)])
