@@ -9,7 +9,7 @@ from typing import Final
 
 from catch_arena.explanation.formatting import short_length
 from catch_arena.render.annotations import Annotation
-from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, chip, chip_width, clock, font_size
+from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, agent_chip, chip_width, clock, font_size
 from catch_arena.render.lens import millimetres
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape
@@ -89,7 +89,7 @@ def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: fl
         color, weight = (BRIGHT, 700) if item.contest else (DIM, 500)
         for part in (item.seat, words, item.other, item.after):
             if isinstance(part, int):
-                shapes += chip(x, middle, info, part, size)
+                shapes += agent_chip(x, middle, info, part, size)
                 x += chip_width(info, size) + 0.6 * size
             elif part:
                 room = area.left + area.width - 2.0 * pad - x

@@ -218,85 +218,72 @@ def header_shapes(area: Rect, info: MatchInfo, seed: int | None, time_text: str,
     return shapes
 
 
-def split_strip(area: Rect, time_text: str) -> tuple[Rect, Rect]:
-    """Return the parts of the line over the arena: for the scores, and for the clock at the right end."""
-    room = round((len(time_text) + 1.5) * 0.62 * font_size(0.58 * area.height, 12))
-    return area._replace(width=area.width - room), area._replace(left=area.left + area.width - room, width=room)
-
-
-def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
-    """Return the shapes of the clock in the line over the arena."""
-    size = font_size(0.58 * area.height, 12)
-    return [
-        Label(area.left + area.width - 0.5 * size, area.top + area.height / 2.0, time_text, size, BRIGHT, 700, "right")
-    ]
-
-
 def chip_width(info: MatchInfo, size: float) -> float:
     """Return the width of a chip with an agent's number, next to text of that size [pixels]."""
     return (0.6 * max(len(info.number(agent)) for agent in (info.config.hunters - 1, len(info.names) - 1)) + 0.7) * size
 
 
-def chip(x: float, middle: float, info: MatchInfo, agent: int, size: float, *, faded: bool = False) -> list[Shape]:
-    """Return the shapes of an agent's number on its colour; `x` is the left end."""
-    color = mix(info.color(agent), PANEL, 0.6 if faded else 0.0)
-    width, small = chip_width(info, size), font_size(0.82 * size, 9)
+def agent_chip(x: float, middle: float, info: MatchInfo, agent: int, size: float) -> list[Shape]:
+    """Return the shapes of an agent's number on its colour; `x` is the left end, and all agents' are equally wide."""
+    return chip(x, middle, info.number(agent), info.color(agent), size, chip_width(info, size))
+
+
+def chip(x: float, middle: float, text: str, color: Color, size: float, width: float = 0.0) -> list[Shape]:
+    """Return the shapes of a short text on a colour; `x` is the left end, and a width of 0 is that of the text."""
+    width, small = width or (0.6 * len(text) + 0.7) * size, font_size(0.82 * size, 9)
     return [
         Box(x, middle - 0.56 * size, width, 1.12 * size, color, 0.3 * size),
-        Label(x + width / 2.0, middle, info.number(agent), small, readable_on(color), 800, "center"),
+        Label(x + width / 2.0, middle, text, small, readable_on(color), 800, "center"),
     ]
 
 
-def chip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], standings: Sequence[AgentScore]) -> list[Shape]:
+def split_strip(area: Rect, info: MatchInfo) -> tuple[Rect, Rect]:
+    """Return the parts of the line over the arena: for the scores, and for the clock at the right end."""
+    room = round((len(clock(info.duration_ms)) + 1.5) * 0.62 * font_size(0.58 * area.height, 12))
+    return area._replace(width=area.width - room), area._replace(left=area.left + area.width - room, width=room)
+
+
+def strip_clock_shapes(area: Rect, time_text: str) -> list[Shape]:
+    """Return the clock in the line over the arena."""
+    size = font_size(0.58 * area.height, 12)
+    x, middle = area.left + area.width - 0.5 * size, area.top + area.height / 2.0
+    return [Label(x, middle, time_text, size, BRIGHT, 700, "right")]
+
+
+def strip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], standings: Sequence[AgentScore]) -> list[Shape]:
     """Return the scores in the line over the arena: of all agents by seat, or of the teams and then the prey.
 
-    Names are left out if not all fit. If not all agents fit without names, only the best are shown.
+    Names are left out if not all fit. If not all agents fit without names, the best come first.
     """
     size = font_size(0.58 * area.height, 12)
-    small, middle, room = font_size(0.8 * size, 10), area.top + area.height / 2.0, area.width - 0.5 * size
+    small, middle = font_size(0.8 * size, 10), area.top + area.height / 2.0
+    room = area.width - 0.5 * size
+    entries = [(str(score), one.color, one.name, "") for one, score in zip(info.contenders, scores, strict=True)]
+    agents = [entry for entry in standings if entry.hunted or not info.has_teams]
+    if not info.has_teams:
+        entries = []
+        if len(agents) * (chip_width(info, size) + 2.2 * size) > room:
+            agents = ranked(agents)
+    for entry in agents:
+        color = mix(info.color(entry.agent), PANEL, 0.6 * entry.faded)
+        entries.append((info.number(entry.agent), color, info.names[entry.agent], str(entry.score)))
+    # room for two digits: names do not vanish with the tenth catch
+    widths = [(0.6 * len(text) + 1.6 + 0.66 * max(2, len(score)) * bool(score)) * size for text, _, _, score in entries]
+    names = [0.3 * size + text_width(name, small, 600) for _, _, name, _ in entries]
+    named = sum(widths) + sum(names) <= room
     x = area.left + 0.5 * size
     shapes: list[Shape] = []
-    shown: Sequence[AgentScore]
-    if info.has_teams:
-        wide = (0.66 * max(2, *(len(str(score)) for score in scores)) + 0.6) * size
-        names = _name_widths([contender.name for contender in info.contenders], size, wide + 0.9 * size, room)
-        for contender, score, name in zip(info.contenders, scores, names, strict=True):
-            if x + wide > area.left + room:
-                break
-            shapes += [
-                Box(x, middle - 0.62 * size, wide, 1.24 * size, contender.color, 0.3 * size),
-                Label(x + wide / 2.0, middle, str(score), size, readable_on(contender.color), 800, "center"),
-            ]
-            if name:
-                label = Label(x + wide + 0.3 * size, middle, contender.name, small, legible(contender.color), 600)
-                shapes.append(label)
-            x += wide + name + 0.9 * size
-        names, digits = [0.0] * len(info.names), 0
-        shown = [entry for entry in standings if entry.hunted]
-    else:
-        digits = max(len(str(entry.score)) for entry in standings)
-        step = chip_width(info, size) + (0.9 + 0.66 * digits) * size
-        coming = 0.66 * max(0, 2 - digits) * size  # names do not vanish with the tenth catch
-        names = _name_widths(info.names, size, step + coming, room)
-        fits = max(1, int(room // step))
-        shown = sorted(standings) if fits >= len(standings) else ranked(standings)[:fits]
-    for entry in shown:
-        step = chip_width(info, size) + (0.9 + 0.66 * max(digits, len(str(entry.score)))) * size
-        if info.has_teams and x + step > area.left + room:
+    for (text, color, name, score), width, name_width in zip(entries, widths, names, strict=True):
+        if x + width > area.left + room:
             break
-        shapes += chip(x, middle, info, entry.agent, size, faded=entry.faded)
-        beside = x + chip_width(info, size) + 0.3 * size
-        if names[entry.agent]:
-            shapes.append(Label(beside, middle, info.names[entry.agent], small, DIM, 600))
-        shapes.append(Label(beside + names[entry.agent], middle, str(entry.score), size, BRIGHT, 700))
-        x += step + names[entry.agent]
+        shapes += chip(x, middle, text, color, size)
+        beside = x + (0.6 * len(text) + 1.0) * size
+        if named:
+            shapes.append(Label(beside, middle, name, small, DIM, 600))
+            beside += name_width
+        shapes.append(Label(beside, middle, score, size, BRIGHT, 700))
+        x += width + name_width * named
     return shapes
-
-
-def _name_widths(names: Sequence[str], size: int, step: float, room: float) -> list[float]:
-    """Return the width of each name, which comes on top of `step`; zeros if not all names fit."""
-    widths = [0.3 * size + text_width(name, font_size(0.8 * size, 10), 600) for name in names]
-    return widths if sum(widths) + len(widths) * step <= room else [0.0] * len(widths)
 
 
 @lru_cache(maxsize=256)

@@ -149,7 +149,7 @@ def _inset(left: float, top: float, size: float, info: MatchInfo, lens: Lens) ->
     color = hud.legible(info.color(winner.seat))
     right, middle = left + 0.95 * size, panel + 0.055 * size
     for claimant, distance in rows:
-        shapes += hud.chip(left + 0.05 * size, middle, info, claimant.seat, 0.9 * text)
+        shapes += hud.agent_chip(left + 0.05 * size, middle, info, claimant.seat, 0.9 * text)
         start = left + 0.05 * size + hud.chip_width(info, 0.9 * text) + 0.4 * text
         room = right - text_width(distance, text, 700) - 0.5 * text - start
         shapes += [

@@ -216,8 +216,9 @@ class MatchRenderer:
         plan, info, unit = self._plan, self.info, self._plan.unit
         clock = hud.clock(played_ms)
         if not plan.standings.width:
-            left, right = hud.split_strip(plan.header, clock)
-            self._update(left, self._standings, lambda: hud.chip_shapes(left, info, self._scores, self._standings))
+            left, right = hud.split_strip(plan.header, info)
+            state = self._scores, self._standings
+            self._update(left, state, lambda: hud.strip_shapes(left, info, *state))
             self._update(right, clock, lambda: hud.strip_clock_shapes(right, clock))
             return
         self._update(plan.header, clock, lambda: hud.header_shapes(plan.header, info, self._seed, clock, unit))
