@@ -20,7 +20,6 @@ from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Box, Label, Shape
-from catch_arena.render.text import text_width
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import (
     RenderReport,
@@ -69,12 +68,12 @@ def render_highlights(
     return write_video(path, _pictures(highlights, within, fps, captions), within, fps, frames, progress)
 
 
-def slow_motion(highlight: Highlight, fps: int) -> list[tuple[float, bool]]:
-    """Return the instants of a highlight's frames [ms], each with True if in slow motion (near the decisive one)."""
+def slow_motion(highlight: Highlight, fps: int) -> list[float]:
+    """Return the instants of a highlight's frames [ms], in slow motion near the decisive one."""
     start, end = highlight.start_ms, highlight.end_ms
     slow_ms, fast_ms = max(start, highlight.decisive_ms - _SLOW_FROM_MS), min(end, highlight.decisive_ms + _SLOW_TO_MS)
     parts = (Clip(start, slow_ms, fps), Clip(slow_ms, fast_ms, fps, SLOW), Clip(fast_ms, end, fps))
-    return [(time_ms, part.speed == SLOW) for part in parts for time_ms in part.times_ms if time_ms < part.end_ms]
+    return [time_ms for part in parts for time_ms in part.times_ms if time_ms < part.end_ms]
 
 
 def _pictures(
@@ -86,16 +85,14 @@ def _pictures(
     caption = hud.Rect(0, height - below, width, below)
     for number, (path, highlight) in enumerate(highlights, start=1):
         replay = Replay.load(path)
-        info = MatchInfo.of_replay(replay, replay.title or Path(path).stem)
+        info = MatchInfo.of_replay(replay, f"{replay.title or Path(path).stem}   {number} of {len(highlights)}")
         renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed, captions="none")
+        frame.clear(caption, hud.CARD)
+        if below:
+            frame.draw(caption_shapes(caption, highlight, clauses=captions == "clauses"))
         times = slow_motion(highlight, fps)
-        pictures = frames_of(observed_worlds(replay, renderer), renderer, [time_ms for time_ms, _ in times])
-        origin = f"{Path(path).stem}   {number} of {len(highlights)}"
-        for done, (pixels, (_, slow)) in enumerate(zip(pictures, times, strict=True)):
+        for done, pixels in enumerate(frames_of(observed_worlds(replay, renderer), renderer, times)):
             frame.pixels[: height - below] = pixels
-            if captions != "none":
-                frame.clear(caption, hud.CARD)
-                frame.draw(caption_shapes(caption, highlight, origin, slow=slow, clauses=captions == "clauses"))
             seen = min(1.0, (done + 1) / (_FADE_S * fps), (len(times) - done) / (_FADE_S * fps))
             yield (
                 frame.pixels
@@ -104,27 +101,14 @@ def _pictures(
             )
 
 
-def caption_shapes(
-    area: hud.Rect, highlight: Highlight, origin: str, *, slow: bool, clauses: bool = False
-) -> list[Shape]:
-    """Return the shapes of a caption: the event, its reason, the match, and a note of slow motion."""
+def caption_shapes(area: hud.Rect, highlight: Highlight, *, clauses: bool = False) -> list[Shape]:
+    """Return the shapes of a caption: the event, and below it the reason."""
     reason = highlight.reason if clauses else _CLAUSE.sub("", highlight.reason)
-    unit = area.height / 94.0
-    pad = 20.0 * unit
-    big, small = hud.font_size(28 * unit, 12), hud.font_size(17 * unit, 10)
-    tag = hud.font_size(15 * unit, 9)
-    upper, lower = area.top + 0.34 * area.height, area.top + 0.72 * area.height
-    heading = highlight.kind.upper()
-    chip = text_width(heading, tag, 800) + 1.2 * tag
-    right = area.left + area.width - pad
-    note = f"{origin}   slow motion ¼" if slow else origin
-    room = min(0.45 * area.width, text_width(note, small, 500)) + 2.0 * pad
-    beside = area.left + pad + chip + 0.7 * pad
+    big, small = hud.font_size(0.3 * area.height, 12), hud.font_size(0.18 * area.height, 10)
+    left, upper, lower = 0.2 * area.height, area.top + 0.34 * area.height, area.top + 0.72 * area.height
+    room = area.width - 2.0 * left
     return [
-        Box(area.left, area.top, area.width, max(2.0, 3.0 * unit), GOLD),
-        Box(area.left + pad, upper - 0.85 * tag, chip, 1.7 * tag, GOLD, 0.4 * tag),
-        Label(area.left + pad + 0.5 * chip, upper, heading, tag, hud.PANEL, 800, "center"),
-        Label(beside, upper, highlight.event, big, hud.BRIGHT, 800, max_width=right - beside),
-        Label(area.left + pad, lower, reason, small, hud.BRIGHT, 500, max_width=right - room - area.left - pad),
-        Label(right, lower, note, small, GOLD if slow else hud.DIM, 500, "right", max_width=0.45 * area.width),
+        Box(area.left, area.top, area.width, max(2.0, 0.03 * area.height), GOLD),
+        Label(area.left + left, upper, highlight.event, big, hud.BRIGHT, 800, max_width=room),
+        Label(area.left + left, lower, reason, small, hud.BRIGHT, 500, max_width=room),
     ]
