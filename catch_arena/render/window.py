@@ -13,8 +13,8 @@ from catch_arena.render.hud import PANEL
 from catch_arena.render.optional_imports import pygame
 
 _FPS: Final = 60
-_POLL_S: Final = 0.02
-"""Longest pause between two checks for events of the window [s]."""
+_SOON_S: Final = 1e-3
+"""Rest of a step that is too short for a picture of its own [s]."""
 
 
 class Screen:
@@ -98,35 +98,21 @@ class Window:
             picture: function that draws (height, width, 3 or 4) at a part of the step in (0, 1].
             lasts_ms: the step's time [ms], 0 for a picture that follows no other.
         """
-        if self.closed:
-            return
-        began_s = time.perf_counter()
-        self._due_s += lasts_ms / 1000.0
-        if not lasts_ms or began_s - self._due_s > lasts_ms / 1000.0:
-            self._due_s = began_s  # a delayed match does not hurry afterwards
-        left_s = max(0.0, self._due_s - began_s)
-        frames = max(1, round(_FPS * left_s))
-        for frame in range(1, frames + 1):
-            part = frame / frames
-            self._wait_until(began_s + part * left_s)
-            if self.closed:
+        lasts_s, frame_s = lasts_ms / 1000.0, time.perf_counter()
+        self._due_s = max(self._due_s, frame_s - lasts_s) + lasts_s  # a delayed match does not hurry afterwards
+        part = 0.0
+        while part < 1.0 and not self.closed:
+            frame_s += 1.0 / _FPS
+            time.sleep(max(0.0, min(frame_s, self._due_s) - time.perf_counter()))
+            if any(event.type == pygame.QUIT for event in pygame.event.get()):
+                self.close()
                 return
-            # a frame whose successor is due already is left out: drawing must not hold up the match
-            if frame == frames or time.perf_counter() < began_s + (frame + 1) / frames * left_s:
-                self._screen.show(picture(part))
+            left_s = self._due_s - time.perf_counter()
+            part = 1.0 - left_s / lasts_s if left_s > _SOON_S else 1.0
+            self._screen.show(picture(part))
 
     def close(self) -> None:
         """Close the window, if it is open."""
         if not self.closed:
             self.closed = True
             self._screen.close()
-
-    def _wait_until(self, due_s: float) -> None:
-        while True:
-            if any(event.type == pygame.QUIT for event in pygame.event.get()):
-                self.close()
-                return
-            wait_s = due_s - time.perf_counter()
-            if wait_s <= 0.0:
-                return
-            time.sleep(min(wait_s, _POLL_S))
