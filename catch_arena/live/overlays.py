@@ -8,63 +8,42 @@ from catch_arena.render.shapes import INK, WHITE, Box, Color, Label, Polygon, Sh
 from catch_arena.render.text import text_width
 from catch_arena.render.viewport import Viewport
 
-_KEY: Final[Color] = (58, 67, 118)
-
 DRIVING: Final = (
-    (("up", "W"), "ahead"),
-    (("left", "A"), "turn left"),
-    (("right", "D"), "turn right"),
-    (("down", "S"), "back, if hunters may reverse"),
-    (("gamepad",), "the stick also drives"),
+    ("W, up", "ahead"),
+    ("A, left", "turn left"),
+    ("D, right", "turn right"),
+    ("S, down", "back, if hunters may reverse"),
+    ("gamepad", "the stick also drives"),
 )
 WINDOW: Final = (
-    (("space", "P"), "pause, continue"),
-    (("N", "."), "one step, while paused"),
-    (("+", "-"), "faster, slower"),
-    (("V",), "view of a hunter; next hunter"),
-    (("R",), "restart the match"),
-    (("Ctrl-S",), "save the replay"),
-    (("H",), "show these keys"),
-    (("Esc",), "quit"),
+    ("P, space", "pause, continue"),
+    ("N, .", "one step, while paused"),
+    ("+, -", "faster, slower"),
+    ("V", "view of a hunter; next hunter"),
+    ("R", "restart the match"),
+    ("Ctrl-S", "save the replay"),
+    ("H", "show these keys"),
+    ("Esc", "quit"),
 )
 
 
-def keys_overlay(viewport: Viewport, rows: Sequence[tuple[tuple[str, ...], str]], below: str) -> list[Shape]:
+def keys_overlay(viewport: Viewport, rows: Sequence[tuple[str, str]], below: str) -> list[Shape]:
     """Return a card in the middle of the arena: rows of keys with their meaning, and a line below them."""
-    width, height, title = viewport.width, viewport.height, "Keys"
-    unit = min(width / 560.0, height / 560.0)
-    size, big = hud.font_size(17 * unit, 10), hud.font_size(26 * unit, 13)
-    pad = 1.6 * size
-    line = min(2.0 * size, (height - 4.0 - 2.0 * pad - 2.4 * big) / (len(rows) + 1.2))
-    keys = max(sum(_key_width(key, size) + 0.4 * size for key in names) for names, _ in rows)
-    texts = max(text_width(meaning, size, 500) for _, meaning in rows)
-    text_right = max(keys + 2.0 * size + texts, text_width(below, size, 500))
-    wide = min(width - 4.0, text_right + 2.0 * pad)
-    high = len(rows) * line + 2.0 * pad + 2.4 * big + 1.2 * line
-    left, top = (width - wide) / 2.0, max(2.0, (height - high) / 2.0)
-    shapes: list[Shape] = [
-        Box(left, top, wide, high, hud.PANEL, 14 * unit),
-        Label(left + pad, top + pad + 0.5 * big, title, big, hud.BRIGHT, 800, max_width=wide - 2.0 * pad),
-    ]
-    y = top + pad + 1.9 * big + 0.5 * line
+    width, height = viewport.width, viewport.height
+    size = hud.font_size(17 * min(width, height) / 560.0, 10)
+    line = min(2.0 * size, (height - 4.0) / (len(rows) + 3.0))
+    keys, meanings = (max(text_width(row[part], size, 600) for row in rows) for part in (0, 1))
+    wide, high = min(width - 4.0, keys + meanings + 4.0 * size), line * (len(rows) + 3.0)
+    left, y = (width - wide) / 2.0 + 1.5 * size, (height - high) / 2.0 + line
+    shapes: list[Shape] = [Box(left - 1.5 * size, y - line, wide, high, hud.PANEL, 0.8 * size)]
+    room = wide - 3.0 * size
     for names, meaning in rows:
-        x = left + pad
-        for name in names:
-            key = _key_width(name, size)
-            shapes += [
-                Box(x, y - 0.75 * size, key, 1.5 * size, _KEY, 0.3 * size),
-                Label(x + key / 2.0, y, name, size, hud.BRIGHT, 600, "center"),
-            ]
-            x += key + 0.4 * size
-        x = left + pad + keys + size
-        shapes.append(Label(x, y, meaning, size, hud.BRIGHT, 500, max_width=left + wide - pad - x))
+        shapes += [
+            Label(left, y, names, size, hud.BRIGHT, 700),
+            Label(left + keys + size, y, meaning, size, hud.BRIGHT, 500, max_width=room - keys - size),
+        ]
         y += line
-    shapes.append(Label(left + pad, y + 0.35 * line, below, size, hud.DIM, 500, max_width=wide - 2.0 * pad))
-    return shapes
-
-
-def _key_width(name: str, size: int) -> float:
-    return max(1.6 * size, text_width(name, size, 600) + 0.9 * size)
+    return [*shapes, Label(left, y + 0.5 * line, below, size, hud.DIM, 500, max_width=room)]
 
 
 def seat_pointer(viewport: Viewport, position: tuple[float, float], color: Color) -> list[Shape]:
