@@ -7,7 +7,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-from catch_arena.explanation.formatting import short_length
 from catch_arena.render.annotations import Annotation
 from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, agent_chip, chip_width, clock, font_size
 from catch_arena.render.lens import millimetres
@@ -15,6 +14,8 @@ from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width
 
+_LEAST_TIMED: Final = 21.0
+"""Least width of a card with times, in sizes of its text."""
 MOST_ITEMS: Final = 8
 """Greatest number of items that are kept; a card shows those that fit."""
 
@@ -43,8 +44,7 @@ def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
         if annotation.rivals and annotation.distance_um is not None:
             rival = annotation.rivals[0]
             behind = rival.distance_um - annotation.distance_um
-            length = millimetres(behind) if rival.requested else short_length(behind)
-            margin = f"by {length}" if behind > 0 else "by lot"
+            margin = f"by {millimetres(behind)}" if behind > 0 else "by lot"
             if rival.requested or behind > 0:
                 text = "beat" if rival.requested else "ahead of"
                 items.append(
@@ -74,8 +74,7 @@ def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: fl
     size = font_size(14 * unit, 10)
     shapes: list[Shape] = [Box(*area, CARD, 12 * unit)]
     left = area.left + 2.0 * pad
-    # a narrow card shows the margin of a contest and not its time
-    timed = left + 4.0 * size + _longest(info, size) <= area.left + area.width - 2.0 * pad
+    timed = area.width >= _LEAST_TIMED * size  # a narrow card shows the margin of a contest and not its time
     if not items:
         position = (left, area.top + pad + 0.5 * height)
         shapes.append(Label(*position, "Contests and refusals", size, DIM, 500, max_width=area.width - 4.0 * pad))
@@ -96,9 +95,3 @@ def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: fl
                 shapes.append(Label(x, middle, part, size, color, weight, max_width=room))
                 x += text_width(part, size, weight) + 0.6 * size
     return shapes
-
-
-def _longest(info: MatchInfo, size: int) -> float:
-    """Return the width of a line about two hunters, without its time [pixels]."""
-    words = text_width("ahead of", size, 500) + text_width("by 99 mm", size, 500)
-    return words + 2.0 * chip_width(info, size) + 1.8 * size

@@ -11,7 +11,7 @@ from typing import Final
 from catch_arena.render.hud import CARD, DIM, TRACK, Rect, font_size, legible
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Path, Shape, mix
-from catch_arena.render.text import text_width, truncated
+from catch_arena.render.text import text_width
 
 COLUMNS: Final = 220
 """Number of parts in which the timeline is kept and drawn, whatever the match's length."""
@@ -149,16 +149,10 @@ class Timeline:
             Label(left, self._head, title, self._text, DIM, 500, max_width=room),
             Label(right, self._head, catches, self._text, DIM, 500, "right"),
         ]
-        lead_text = f"  +{margin}"
         used = text_width(title, self._text, 500) + self._text
-        name_room = room - used - text_width(lead_text, self._text, 700)
-        if leader is not None and not self._alone and name_room > 3 * self._text:
-            name, color = self._info.contenders[leader].name, self._colors[leader]
-            width = text_width(truncated(name, self._text, 700, name_room), self._text, 700)
-            shapes += [
-                Label(left + used, self._head, name, self._text, color, 700, max_width=name_room),
-                Label(left + used + width, self._head, lead_text, self._text, color, 700),
-            ]
+        if leader is not None and not self._alone and room - used > 5 * self._text:
+            text, left = f"+{margin}  {self._info.contenders[leader].name}", left + used
+            shapes.append(Label(left, self._head, text, self._text, self._colors[leader], 700, max_width=room - used))
         return shapes
 
     def _history_shapes(self) -> list[Shape]:

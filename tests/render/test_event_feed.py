@@ -22,7 +22,7 @@ def test_contests_near_misses_and_refusals_are_in_the_feed_and_undisturbed_catch
     feed = with_items((), [CONTEST, Annotation("catch", 18_900, 1, 1.0, 1.0), NEAR_MISS, refused(19_100)])
     assert [(item.seat, item.text, item.other, item.after) for item in feed] == [
         (3, "out of reach", None, ""),
-        (1, "ahead of", 0, "by 31 cm"),
+        (1, "ahead of", 0, "by 312 mm"),
         (0, "beat", 2, "by 12 mm"),
     ]
 

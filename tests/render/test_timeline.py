@@ -39,8 +39,7 @@ def test_the_leader_is_named_with_its_lead_and_its_line_is_the_highest():
     plan, info = hud.arrange((1280, 720), "broadcast", 3), an_info(3)
     shapes = a_race(plan, info).past_shapes()
     texts = [label.text for label in kinds(shapes, Label)]
-    assert info.names[0] in texts
-    assert "  +1" in texts
+    assert f"+1  {info.names[0]}" in texts
     lines = kinds(shapes, Path)
     ends = {line.color: line.points[-1][1] for line in lines}
     heights = [ends[hud.legible(info.color(seat))] for seat in (0, 2, 1)]
