@@ -25,7 +25,7 @@ from catch_arena.render.annotations import annotations_of
 from catch_arena.render.captions import Commentary
 from catch_arena.render.cards import result
 from catch_arena.render.ghost import ghost_track, is_low
-from catch_arena.render.lens import Lens, lens_of, result_text
+from catch_arena.render.lens import Lens, result_text
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Color
 from catch_arena.replay import Replay
@@ -86,13 +86,13 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
             [state - 1, ruling.hunter, ruling.verdict.name, numbers.get(ruling.target)] for ruling in world.rulings
         ]
         if last is not None:
+            annotations = annotations_of(last, world, by_lot=info.by_lot)
+            won = {annotation.seat: annotation.lens for annotation in annotations if annotation.kind == "catch"}
             for contest in contests_of(replay, world):
-                claims = [(claim.seat, claim.distance_um) for claim in contest.claims if claim.distance_um is not None]
-                lens = lens_of(last, contest.target, claims) if claims else None  # R9.1: capstone does not measure
                 contests.append(contest)
-                lenses.append(lens)
+                lenses.append(won.get(contest.claims[0].seat))
             shown = commentary.caption
-            commentary.record(last.time_ms, annotations_of(last, world, by_lot=info.by_lot), world.team_scores)
+            commentary.record(last.time_ms, annotations, world.team_scores)
             caption = commentary.caption
             if caption is not None and caption is not shown:
                 moments.append(
