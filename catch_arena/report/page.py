@@ -20,8 +20,7 @@ from catch_arena.render.shapes import TURTLE_PARTS, Color
 from catch_arena.replay.comparison import flat_settings
 from catch_arena.report import charts
 from catch_arena.report.data import ReportData
-from catch_arena.report.glance import best_moment, figures
-from catch_arena.report.lost_contests import LostContest, answer_to, find_lost_contests
+from catch_arena.report.moments import LostContest, answer_to, best_moment, figures, find_lost_contests
 from catch_arena.report.selection import SelectedMatch, select_matches
 from catch_arena.text import without_folders
 from catch_arena.tournament.entrants import SHIPPED_PREY

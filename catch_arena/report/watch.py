@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any, Final
 from urllib.parse import unquote
 
-from catch_arena.errors import CatchArenaError, OutputError, ReplayError
+from catch_arena.errors import CatchArenaError, ReplayError
 from catch_arena.explanation import Explanation, explain
 from catch_arena.player import bundle_text
 from catch_arena.report.data import ReportData
@@ -19,8 +19,8 @@ from catch_arena.text import printable, without_folders
 from catch_arena.tournament.store import Store
 
 HOST: Final = "127.0.0.1"
-PORTS: Final = range(8765, 8785)
-"""Port numbers, of which the first free one is used."""
+PORT: Final = 8765
+"""Number of the port; if it is taken, any free one is used."""
 _PAUSE_S: Final = 2.0
 _PAUSE_FACTOR: Final = 10.0
 """Pause between two refreshes, in durations of the last one: they take at most a tenth of one core's time."""
@@ -147,20 +147,11 @@ class _Server(ThreadingHTTPServer):
 
 @contextmanager
 def serve(report: LiveReport) -> Iterator[str]:
-    """Serve a report inside the `with` block, and yield its address.
-
-    Raises:
-        OutputError: if no port of PORTS is free.
-    """
-    reason = ""
-    for port in PORTS:
-        try:
-            server = _Server(port, report)
-            break
-        except OSError as error:
-            reason = error.strerror or str(error)
-    else:
-        raise OutputError(f"ports {PORTS[0]} to {PORTS[-1]} of {HOST}: cannot be used: {reason}")
+    """Serve a report inside the `with` block, and yield its address."""
+    try:
+        server = _Server(PORT, report)
+    except OSError:
+        server = _Server(0, report)
     thread = threading.Thread(target=server.serve_forever, daemon=True)
     thread.start()
     try:

@@ -11,8 +11,7 @@ import pytest
 from catch_arena.explanation import explain
 from catch_arena.report import write_report
 from catch_arena.report.data import ReportData
-from catch_arena.report.glance import Moment, best_moment
-from catch_arena.report.lost_contests import answer_to, find_lost_contests
+from catch_arena.report.moments import Moment, answer_to, best_moment, find_lost_contests
 from catch_arena.verdicts import Verdict
 
 

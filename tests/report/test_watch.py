@@ -9,7 +9,6 @@ from urllib.parse import urlsplit
 import pytest
 from report.synthetic import tournament
 
-from catch_arena.errors import OutputError
 from catch_arena.player import bundle_text
 from catch_arena.report import watch
 from catch_arena.report.data import ReportData
@@ -87,16 +86,8 @@ def test_a_reader_that_says_nothing_keeps_nobody_waiting(tmp_path):
         assert fetched(f"{address}state") == "4"
 
 
-def test_a_port_that_is_taken_gives_way_to_the_next_and_without_a_free_one_all_are_named(tmp_path, monkeypatch):
+def test_two_reports_are_served_at_two_addresses(tmp_path):
     tournament(tmp_path, 1, most=4)
-    with socket.create_server(("127.0.0.1", 0)) as taken:
-        port = taken.getsockname()[1]
-        monkeypatch.setattr(watch, "PORTS", range(port, port + 20))
-        with serve(LiveReport(tmp_path)) as address:
-            assert port < urlsplit(address).port < port + 20
-        monkeypatch.setattr(watch, "PORTS", range(port, port + 1))
-        with (
-            pytest.raises(OutputError, match=f"ports {port} to {port} of 127.0.0.1: cannot be used"),
-            serve(LiveReport(tmp_path)),
-        ):
-            pass
+    with serve(LiveReport(tmp_path)) as one, serve(LiveReport(tmp_path)) as other:
+        assert one != other
+        assert fetched(f"{one}state") == fetched(f"{other}state") == "4"

@@ -5,7 +5,7 @@ from report.synthetic import tournament
 from catch_arena.explanation import explain
 from catch_arena.explanation.highlights import find_highlights
 from catch_arena.report.data import ReportData
-from catch_arena.report.glance import best_moment, figures
+from catch_arena.report.moments import best_moment, figures
 
 
 def test_the_figures_are_those_of_the_replays(played):
