@@ -74,32 +74,21 @@ def standings_shapes(
     """
     pad = 8 * unit
     room = area.height - 2.0 * pad
-    rows = max(1, int(room // max(15.0, 19.0 * unit)))
-    most_columns = max(1, int(area.width // max(130.0, 165.0 * unit)))
-    columns = 1 if len(lines) <= rows else min(-(-len(lines) // rows), most_columns)
-    shown = len(lines) if len(lines) <= rows * columns else rows * columns - 1  # the last line says how many more
-    per_column = -(-min(len(lines), shown + 1) // columns)
-    height = min(room / per_column, max(28.0, ROW * unit))
-    width = (area.width - 2.0 * pad) / columns
-
-    def corner(position: float) -> tuple[float, float]:
-        column, row = divmod(int(position), per_column)
-        return area.left + pad + column * width, area.top + pad + row * height
-
-    shapes: list[Shape] = [Box(area.left, area.top, area.width, per_column * height + 2.0 * pad, CARD, 12 * unit)]
+    rows = min(len(lines), max(2, int(room // max(15.0, 19.0 * unit))))
+    shown = rows if rows == len(lines) else rows - 1  # the last row says how many more
+    height = min(room / rows, max(28.0, ROW * unit))
+    left, top = area.left + pad, area.top + pad
+    shapes: list[Shape] = [Box(area.left, area.top, area.width, rows * height + 2.0 * pad, CARD, 12 * unit)]
     best = max(line.agent_score.score for line in lines)
     for line in sorted(lines, key=lambda line: (line.climbs, -line.position)):  # climbing lines are drawn on top
         if line.position <= shown - 1:
-            (x0, y0), (x1, y1) = corner(math.floor(line.position)), corner(math.ceil(line.position))
-            part = line.position % 1.0 if x0 == x1 else round(line.position % 1.0)  # no flight from column to column
-            box = (x0 + (x1 - x0) * part, y0 + (y1 - y0) * part, width, height)
+            box = (left, top + line.position * height, area.width - 2.0 * pad, height)
             if line.climbs:
                 shapes.append(Box(*box, mix(CARD, TRACK, 0.6), 0.25 * height))
             shapes += _line_shapes(box, info, line, best, unit, followed=line.agent_score.agent == view_of)
     if shown < len(lines):
-        x, y = corner(shown)
-        left_out = f"and {len(lines) - shown} more"
-        shapes.append(Label(x + 0.3 * height, y + 0.5 * height, left_out, font_size(0.5 * height, 10), DIM, 500))
+        left_out, middle = f"and {len(lines) - shown} more", top + (shown + 0.5) * height
+        shapes.append(Label(left + 0.3 * height, middle, left_out, font_size(0.5 * height, 10), DIM, 500))
     return shapes
 
 

@@ -10,14 +10,14 @@ from typing import Final
 
 from catch_arena.render.hud import CARD, DIM, TRACK, Rect, font_size, legible
 from catch_arena.render.match_info import MatchInfo
-from catch_arena.render.shapes import WHITE, Box, Color, Label, Path, Shape, mix
+from catch_arena.render.shapes import WHITE, Box, Label, Path, Shape, mix
 from catch_arena.render.text import text_width
 
 COLUMNS: Final = 220
 """Number of parts in which the timeline is kept and drawn, whatever the match's length."""
 
-_BRIGHT_LINES: Final = 8
-"""Number of contenders, the best ones, whose lines stand out; the others are drawn below them, faintly."""
+_MOST_LINES: Final = 8
+"""Greatest number of contenders, the best ones, that have a line."""
 
 
 class Timeline:
@@ -43,6 +43,8 @@ class Timeline:
         self._area, self._info, self._unit = area, info, unit
         self._text, self._small = font_size(14 * unit, 10), font_size(12 * unit, 9)
         self._colors = [legible(contender.color) for contender in info.contenders]
+        self._thick = max(1.0, 2.2 * unit)
+        """Width of a contender's line [pixels]."""
         self._alone = len(info.contenders) == 1
         axis = 2.6 * self._small
         self._left, self._width = area.left + 16 * unit + axis, area.width - 32 * unit - axis
@@ -105,15 +107,15 @@ class Timeline:
             return [present]
         start = self._left + self._last_change * self._step
         heights = [self._y(value) for value in over_average(self._scores[-1])]
-        lines, dot = self._line_styles(), max(3.0, 7.0 * self._unit)
+        best, dot = self._best(), max(3.0, 7.0 * self._unit)
         shapes = self._lead_area(self._scores[-1], start, x)
-        shapes += [
-            Path(((min(start, x), heights[contender]), (x, heights[contender])), thick, color)
-            for contender, color, thick in lines
-        ]
+        for contender in best:
+            points = (min(start, x), heights[contender]), (x, heights[contender])
+            shapes.append(Path(points, self._thick, self._colors[contender]))
         shapes.append(present)
-        for contender, color, _ in lines[-_BRIGHT_LINES:]:
-            shapes.append(Box(x - dot / 2, heights[contender] - dot / 2, dot, dot, color, dot / 2))
+        for contender in best:
+            y = heights[contender] - dot / 2
+            shapes.append(Box(x - dot / 2, y, dot, dot, self._colors[contender], dot / 2))
         return shapes
 
     def _y(self, value: float) -> float:
@@ -164,12 +166,12 @@ class Timeline:
         heights = [[self._y(value) for value in over_average(scores[column])] for column in changes]
         for start, end in pairwise(changes):
             shapes += self._lead_area(scores[start], self._left + start * self._step, self._left + end * self._step)
-        for contender, color, thick in self._line_styles():
+        for contender in self._best():
             points = [(self._left, heights[0][contender])]
             for start, column in zip(changes[1:], heights[1:], strict=True):
                 x = self._left + start * self._step
                 points += [(x, points[-1][1]), (x, column[contender])]
-            shapes.append(Path(tuple(points), thick, color))
+            shapes.append(Path(tuple(points), self._thick, self._colors[contender]))
         return shapes
 
     def _lead_area(self, scores: Sequence[int], left: float, right: float) -> list[Shape]:
@@ -181,14 +183,10 @@ class Timeline:
         top = self._y(over_average(scores)[leader])
         return [Box(left, top, right - left, margin * self._pixels, mix(self._colors[leader], CARD, 0.7))]
 
-    def _line_styles(self) -> list[tuple[int, Color, float]]:
-        """Return contender, colour and width of each line, the lowest first."""
+    def _best(self) -> list[int]:
+        """Return the contenders that have a line, the best last, whose line is on top."""
         scores = self._scores[-1]
-        order = sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))
-        faint, bright = order[:-_BRIGHT_LINES], order[-_BRIGHT_LINES:]
-        return [
-            (contender, mix(self._colors[contender], CARD, 0.65), max(1.0, 1.2 * self._unit)) for contender in faint
-        ] + [(contender, self._colors[contender], max(1.0, 2.2 * self._unit)) for contender in bright]
+        return sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))[-_MOST_LINES:]
 
 
 def lead(scores: Sequence[int]) -> tuple[int | None, int]:
