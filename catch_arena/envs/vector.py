@@ -30,6 +30,8 @@ _TERMINATED: Final = np.int8(rows.TERMINATED)  # same type as `Engine.ends`, so 
 _TRUNCATED: Final = np.int8(rows.TRUNCATED)
 _MOST_ENVS: Final = 10**9  # no machine's memory holds more
 _MOST_THREADS: Final = 4096
+_BODY: Final = ("x", "y", "a heading", "a velocity", "an age")
+"""Columns of the bodies that `VectorArena.place` takes."""
 
 T = TypeVar("T")
 
@@ -212,8 +214,6 @@ class VectorArena:
                 if not self._has_begun
                 else next_seeds(self._engine.seeds()[chosen])
             )
-        elif isinstance(seed, np.ndarray) and seed.ndim == 1 and seed.dtype == np.uint64:
-            seeds = seed  # as `seeds()` gives them
         elif isinstance(seed, Iterable) and not isinstance(seed, str | bytes) and getattr(seed, "ndim", 1) > 0:
             seeds = np.array([checked_seed(one) for one in seed], dtype=np.uint64)
         else:
@@ -254,19 +254,16 @@ class VectorArena:
         hunters = _placed("hunters", hunters, len(chosen), (config.hunters, config.hunters), 4)
         targets = _placed("targets", targets, len(chosen), (0, config.max_targets), 5)
         played, most = np.asarray(steps), (config.time_limit_ms - 1) // config.control_period_ms
-        if played.dtype.kind not in "iu" or played.shape not in {(), (len(chosen),)}:
-            raise ConfigError(f"steps must be a whole number, or {len(chosen)} of them, got {describe_value(played)}")
-        _require("steps", f"numbers from 0 to {most}", played, (played >= 0) & (played <= most))
+        numbers = played.dtype.kind in "iu" and played.shape in {(), (len(chosen),)}
+        if not numbers or not ((played >= 0) & (played <= most)).all():
+            raise ConfigError(f"steps must be one or {len(chosen)} numbers from 0 to {most}, got {shortened(steps)}")
         played = np.broadcast_to(played.astype(np.int64), len(chosen))
-        fastest, elapsed_s = np.array(config.max_speeds), played[:, None] * config.control_period_ms / 1000.0
-        place = f"at places in the arena, from 0 to {config.side_m} m", 0.0, config.side_m
-        turn = f"of headings from {-MAX_HEADING_RAD:g} to {MAX_HEADING_RAD:g} rad", -MAX_HEADING_RAD, MAX_HEADING_RAD
-        slowest, moving = -fastest if config.reverse else 0.0, config.target_speed_mps if config.targets_move else 0.0
-        pace = "of velocities within their limits"
+        place, turn = (0.0, config.side_m), (-MAX_HEADING_RAD, MAX_HEADING_RAD)
+        fastest, moving = np.array(config.max_speeds), config.target_speed_mps if config.targets_move else 0.0
+        elapsed_s = played[:, None] * config.control_period_ms / 1000.0
         oldest = np.nextafter(elapsed_s + 0.0005, 0.0)  # ages are rounded to the millisecond
-        age = "of ages from 0 to the time that has passed", 0.0, oldest
-        _require_bodies("hunters", hunters, place, place, turn, (pace, slowest, fastest))
-        _require_bodies("targets", targets, place, place, turn, (pace, 0.0, moving), age)
+        _require_bodies("hunters", hunters, place, place, turn, (-fastest if config.reverse else 0.0, fastest))
+        _require_bodies("targets", targets, place, place, turn, (0.0, moving), (0.0, oldest))
         self._engine.place_batch(chosen, hunters, targets, played)
         self._update_ends()
         return self._reset_results()
@@ -384,9 +381,8 @@ class VectorArena:
                 f"arenas must be row numbers from 0 to {self.num_envs - 1} or a mask of {self.num_envs}, "
                 f"got {outside[0] if legal else describe_value(chosen)}"
             )
-        numbers, counts = np.unique(chosen, return_counts=True)
-        if len(numbers) < len(chosen):  # otherwise it would be unclear which of two seeds is meant
-            raise ConfigError(f"arenas must be different rows, got {numbers[counts > 1][0]} more than once")
+        if len(np.unique(chosen)) < len(chosen):  # otherwise it would be unclear which of two seeds is meant
+            raise ConfigError(f"arenas must be different rows, got {shortened(chosen.tolist())}")
         return chosen.astype(np.int64)
 
     # saving
@@ -491,20 +487,19 @@ def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], c
     return table
 
 
-def _require_bodies(name: str, bodies: NDArray[np.float64], *columns: tuple[str, Any, Any]) -> None:
-    """Raise a ConfigError unless each column lies within its bounds; rows of NaN are legal. A column has the
-    requirement in words, the lower bound, and the upper bound.
+def _require_bodies(name: str, bodies: NDArray[np.float64], *bounds: tuple[Any, Any]) -> None:
+    """Raise a ConfigError unless each column lies within its bounds, the least and the greatest value; rows of NaN are
+    legal.
     """
-    for column, (requirement, low, high) in enumerate(columns):
-        numbers = bodies[:, :, column]
-        _require(name, requirement, bodies, np.isnan(bodies[:, :, 0]) | ((numbers >= low) & (numbers <= high)))
-
-
-def _require(name: str, requirement: str, given: NDArray[Any], legal: NDArray[np.bool_]) -> None:
-    """Raise a ConfigError that names the first number that is not legal."""
-    if not legal.all():
-        where = tuple(int(index) for index in np.argwhere(~legal)[0])
-        raise ConfigError(f"{name} must be {requirement}, got {given[where].tolist()} at {list(where)}")
+    for index, (low, high) in enumerate(bounds):
+        column = bodies[:, :, index]
+        legal = np.isnan(bodies[:, :, 0]) | ((column >= low) & (column <= high))
+        if not legal.all():
+            where = tuple(np.argwhere(~legal)[0].tolist())
+            least, greatest = (np.broadcast_to(bound, column.shape)[where] for bound in (low, high))
+            raise ConfigError(
+                f"{name} must have {_BODY[index]} from {least:g} to {greatest:g}, got {column[where]:g} at {[*where]}"
+            )
 
 
 def _copied(results: Any) -> Any:
