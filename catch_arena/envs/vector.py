@@ -3,7 +3,7 @@
 import copy as copy_module
 from collections.abc import Iterable
 from functools import cached_property
-from typing import Any, Final, TypeVar, cast
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from gymnasium import spaces
@@ -366,7 +366,7 @@ class VectorArena:
         )
 
     def _handed_out(self, results: T) -> T:
-        return cast(T, _copied(results)) if self._copy else results
+        return copy_module.deepcopy(results) if self._copy else results
 
     def _rows(self, arenas: ArrayLike | None) -> NDArray[np.int64]:
         if arenas is None:
@@ -500,11 +500,3 @@ def _require_bodies(name: str, bodies: NDArray[np.float64], *bounds: tuple[Any, 
             raise ConfigError(
                 f"{name} must have {_BODY[index]} from {least:g} to {greatest:g}, got {column[where]:g} at {[*where]}"
             )
-
-
-def _copied(results: Any) -> Any:
-    if isinstance(results, tuple):
-        return tuple(_copied(result) for result in results)
-    if isinstance(results, dict):
-        return {key: _copied(value) for key, value in results.items()}
-    return results.copy()
