@@ -25,8 +25,8 @@ SHIPPED: Final = (
 """Agents that come with the package, in the order in which they take part. The first one's rating is 0."""
 _FEWEST_SHIPPED: Final = 3
 _NAME: Final = "name.txt"
-_PHOTOS: Final = {"photo.png": b"\x89PNG", "photo.jpg": b"\xff\xd8\xff"}
-"""Names of photos, with the first bytes of such a file."""
+_PHOTOS: Final = {"photo.png": "png", "photo.jpg": "jpeg"}
+"""Names of photos, with their media types."""
 _LARGEST_PHOTO: Final = 200_000
 _LARGEST: Final = 64_000_000
 """Largest size of an entry's files together [bytes]."""
@@ -204,13 +204,10 @@ def _shown_name(submission: Submission) -> str:
 
 
 def _photo(submission: Submission) -> str:
-    for name, beginning in _PHOTOS.items():
+    for name, kind in _PHOTOS.items():
         path = submission.path / name
-        if not path.is_file() or path.is_symlink():
-            continue
-        content = path.read_bytes()
-        if not content.startswith(beginning) or len(content) > _LARGEST_PHOTO:
-            raise ConfigError(f"{name} must be such a picture, of at most {_LARGEST_PHOTO // 1000} kB")
-        kind = "png" if name.endswith("png") else "jpeg"
-        return f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
+        if path.is_file() and not path.is_symlink():
+            if path.stat().st_size > _LARGEST_PHOTO:
+                raise ConfigError(f"{name} must have at most {_LARGEST_PHOTO // 1000} kB")
+            return f"data:image/{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
     return ""

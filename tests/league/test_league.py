@@ -197,10 +197,10 @@ def test_names_and_photos_are_optional_and_are_no_new_version(ran):
     assert "Ann &lt;the first&gt;" in table
     assert "data:image/png;base64," in table
     (ran / "bob" / "name.txt").write_text("../../bob")
-    (ran / "ann" / "photo.png").write_bytes(b"<script>")
+    (ran / "ann" / "photo.png").write_bytes(bytes(200_001))
     done = league(ran)
     assert "warning: bob: name.txt: its name must have no /, got '../../bob'" in done.output
-    assert "warning: ann: photo.png must be such a picture" in done.output
+    assert "warning: ann: photo.png must have at most 200 kB" in done.output
     table = (ran / "site" / "index.html").read_text()
     assert ">bob<" in table
     assert "Ann &lt;the first&gt;" in table
