@@ -10,8 +10,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
-from threading import Thread
-from typing import IO, Final
+from tempfile import TemporaryFile
+from typing import Final
 
 from catch_arena import interrupts
 from catch_arena.classroom.grading import Graded
@@ -23,12 +23,14 @@ from catch_arena.text import last_lines, one_line, printable_lines
 from catch_arena.tournament.execution.executors import ProcessExecutor, Worker
 from catch_arena.tournament.grading import TestGrade, unplayed_grade
 from catch_arena.tournament.grading_spec import GradingSpec
-from catch_arena.tournament.isolation.sandbox import Log
 
 Join = Callable[[], AbstractContextManager[NodeUnderTest]]
 _END_S: Final = 3.0
 """Time for a node to end after Ctrl-C [s]."""
 _LOG_BYTES: Final = 1 << 16
+"""Part of a node's output that is kept, from its end [bytes]."""
+_LARGEST_FILE: Final = 1 << 17
+"""Largest size of a file that a node writes, such as its output [512 bytes]."""
 
 
 def grade_node_of(worker: Worker, spec: GradingSpec, join: Join, submission: Submission) -> Graded:
@@ -51,7 +53,7 @@ def grade_node_of(worker: Worker, spec: GradingSpec, join: Join, submission: Sub
             grades, fault = fresh.result(fresh.run(_ask, spec, join))
             if process.poll() is not None:
                 fault += f"; its launch command ended with code {process.returncode}"
-            printed = log.text()
+            printed = os.pread(log, _LOG_BYTES, max(0, os.fstat(log).st_size - _LOG_BYTES)).decode(errors="replace")
     missing = (unplayed_grade(test, one_line(fault), hinted=False) for test in spec.tests[len(grades) :])
     return Graded(
         name=submission.name,
@@ -73,36 +75,29 @@ def _ask(spec: GradingSpec, join: Join) -> tuple[list[TestGrade], str]:
 
 
 @contextmanager
-def _started(command: str, folder: Path) -> Iterator[tuple[subprocess.Popen[bytes], Log]]:
-    """Start a shell command in a folder, and keep what it prints; at the end, end it and all that it started."""
-    log = Log(_LOG_BYTES)
-    process = subprocess.Popen(  # noqa: S602 - the teacher's own line
-        command,
-        shell=True,
-        cwd=folder,
-        stdin=subprocess.DEVNULL,
-        stdout=subprocess.PIPE,
-        stderr=subprocess.STDOUT,
-        start_new_session=True,
-    )
-
-    def read(output: IO[bytes]) -> None:
-        with output:
-            while part := os.read(output.fileno(), _LOG_BYTES):
-                log.add(part)
-
-    reader = Thread(target=read, args=[process.stdout], daemon=True)
-    reader.start()
-    try:
-        yield process, log
-    finally:
-        _end(process, signal.SIGINT)
-        deadline = time.monotonic() + _END_S
-        while (process.poll() is None or interrupts.descendants(process.pid)) and time.monotonic() < deadline:
-            time.sleep(0.05)
-        _end(process, signal.SIGKILL)
-        process.wait()
-        reader.join(_END_S)
+def _started(command: str, folder: Path) -> Iterator[tuple[subprocess.Popen[bytes], int]]:
+    """Start a shell command in a folder, and yield its process and the descriptor of the file that has its output; at
+    the end, end it and all that it started.
+    """
+    with TemporaryFile() as log:
+        process = subprocess.Popen(  # noqa: S602 - the teacher's own line
+            f"ulimit -f {_LARGEST_FILE}\n{command}",
+            shell=True,
+            cwd=folder,
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+        try:
+            yield process, log.fileno()
+        finally:
+            _end(process, signal.SIGINT)
+            deadline = time.monotonic() + _END_S
+            while (process.poll() is None or interrupts.descendants(process.pid)) and time.monotonic() < deadline:
+                time.sleep(0.05)
+            _end(process, signal.SIGKILL)
+            process.wait()
 
 
 def _end(process: subprocess.Popen[bytes], number: int) -> None:
