@@ -7,17 +7,18 @@ from collections import deque
 from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import ExitStack, suppress
-from functools import partial
+from functools import cache, partial
 from itertools import count
 from typing import Any, Final, NamedTuple
 
+import msgspec
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import ClientConnection, connect
 
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SERVICE_DEPTH, SPIN_S, Bus, Client, Log, OnceLog, Request
-from catch_arena.ros.middleware.interfaces import Field, MessageType, ServiceType, values_by_field
-from catch_arena.text import one_line, shortened
+from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes, values_by_field
+from catch_arena.text import one_line
 
 _OPEN_S: Final = 5.0
 _CALL_OPEN_S: Final = 1.0
@@ -36,7 +37,7 @@ _OWN_SERVICE: Final = "/rosbridge_websocket/get_parameters"
 """Service of rosbridge itself. Its response, or the error of a server without it, proves that all frames before the
 call were read.
 """
-_KINDS: Final = {"string": (str,), "bool": (bool,), "float32": (int, float), "float64": (int, float)}
+_JSON: Final[dict[str, Any]] = {"string": str, "bool": bool, "float32": float, "float64": float}
 """JSON types of a field by ROS's name of its type; other fields are whole numbers."""
 
 
@@ -262,23 +263,17 @@ def from_json(kind: MessageType, values: Any) -> Any:
     Raises:
         ValueError: if the values do not fit this message, for example because a student's package has other fields.
     """
-    if not isinstance(values, dict) or any(field.name not in values for field in kind.fields):
-        words = ", ".join(field.name for field in kind.fields) or "no field"
-        raise ValueError(f"{kind.name} must be an object with {words}, got {shortened(values)}")
-    return kind.make(*(_value(field, values[field.name]) for field in kind.fields))
+    try:
+        return from_attributes(kind, msgspec.convert(values, _struct(kind)))
+    except msgspec.ValidationError as error:
+        raise ValueError(f"{kind.name}: {error}") from None
 
 
-def _value(field: Field, value: Any) -> Any:
-    if isinstance(field.type, MessageType):
-        if not field.is_sequence:
-            return from_json(field.type, value)
-        if isinstance(value, list):
-            return tuple(from_json(field.type, one) for one in value)
-        raise ValueError(f"{field.name} must be a list, got {shortened(value)}")
-    if field.type.startswith("float") and value is None:
-        return math.nan  # rosbridge's null for NaN and the infinities, which JSON does not have
-    kinds = _KINDS.get(field.type, (int,))
-    if type(value) in kinds:
-        with suppress(OverflowError):
-            return kinds[-1](value)
-    raise ValueError(f"{field.name} must be a {field.type}, got {shortened(value)}")
+@cache
+def _struct(kind: MessageType) -> Any:
+    """Return the type by which msgspec checks a message."""
+    fields: list[tuple[str, Any]] = []
+    for name, word, is_sequence in kind.fields:
+        one: Any = _JSON.get(word, int) if isinstance(word, str) else _struct(word)
+        fields.append((name, list[one] if is_sequence else one))
+    return msgspec.defstruct(kind.name.rpartition("/")[2], fields)
