@@ -14,7 +14,7 @@ from catch_arena.arbitration import arbitrate
 from catch_arena.config import ArenaConfig
 from catch_arena.core.physics import DT, TICK_MS
 from catch_arena.messages import CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware.bus import Bus, Log, Request
+from catch_arena.ros.middleware.bus import Bus, Log, OnceLog, Request
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, CATCH_TURTLE, KILL, SPAWN, catch_turtle_of, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces, Name, SpawnRequest
 
@@ -24,8 +24,6 @@ _SECOND: Final = 1000 // TICK_MS
 """Period in which the list of targets is published again [ticks]."""
 _ANSWER_TICKS: Final = 125
 """Time after which a call of /spawn without an answer is given up [ticks]."""
-_MOST_NAMES: Final = 64
-"""Number of taken names that are tried before the next firing of the timer."""
 
 
 class Spawner:
@@ -51,6 +49,7 @@ class Spawner:
         log: Log,
     ) -> None:
         self._bus, self._turtles, self._interfaces, self._log = bus, turtles, interfaces, log
+        self._log_once = OnceLog(log)
         self._config = config
         self._period = max(1, round(config.spawn_period_ms / 1000.0 / DT))
         """Period of the spawn timer [ticks]."""
@@ -59,8 +58,6 @@ class Spawner:
         """The current tick, and the tick of the timer's last firing."""
         self._number = 0
         """Number of the last name that was tried."""
-        self._refused = 0
-        """Number of taken names since the last target was spawned."""
         self._spawning: tuple[Future[Name], SpawnRequest, int] | None = None
         """The call of /spawn that is not answered yet, its request and its tick; None if there is none."""
         self._poses: dict[str, Pose] = {}
@@ -133,19 +130,15 @@ class Spawner:
         self._spawning = None
         name = call.result().name
         if name:
-            self._refused = 0
             self._alive[name] = Turtle(name, request.x, request.y, request.theta)
             self._publish_alive()
             return
-        self._refused += 1
-        if self._refused == 1:
-            self._log(
-                f"warning: {request.name} is not spawned, because turtlesim has a turtle of that name: higher numbers "
-                "are tried. --ros-args -p turtle_name_prefix:=NAME gives other names, and turtlesim's /reset removes "
-                "all targets"
-            )
-        if self._refused % _MOST_NAMES:
-            self._call_spawn(request.x, request.y, request.theta)
+        self._log_once.warn(
+            f"{request.name} is not spawned, because turtlesim has a turtle of that name: higher numbers are tried. "
+            "--ros-args -p turtle_name_prefix:=NAME gives other names, and turtlesim's /reset removes all targets",
+            "taken",
+        )
+        self._call_spawn(request.x, request.y, request.theta)
 
     def _judge(self) -> None:
         pending, self._pending = self._pending, []
