@@ -89,11 +89,8 @@ def test_ctrl_c_is_the_documented_end_of_the_nodes_also_while_they_wait(monkeypa
 
 
 @pytest.mark.skipif(sys.platform != "linux" or os.geteuid() != 0, reason="only root may take a network away")
-@pytest.mark.parametrize(
-    ("variables", "hint"),
-    [({}, " ROS_LOCALHOST_ONLY=1 limits ROS to this machine"), ({"ROS_LOCALHOST_ONLY": "1"}, "")],
-)
-def test_without_a_network_interface_it_is_one_line(variables, hint):
+@pytest.mark.parametrize("variables", [{}, {"ROS_LOCALHOST_ONLY": "1"}])
+def test_without_a_network_interface_it_is_one_line(variables):
     """In a network of its own, whose only interface is down, the loopback interface."""
     found = subprocess.run(
         ["unshare", "--net", sys.executable, "-m", "catch_arena", "ros", "serve"],
@@ -105,8 +102,10 @@ def test_without_a_network_interface_it_is_one_line(variables, hint):
     )
     assert found.returncode == 2
     (line,) = [line for line in found.stderr.splitlines() if line.startswith("error: ")]
-    why = "cannot be joined (DDS_RETCODE_ERROR): is there a network interface?"
-    assert line == f"error: DDS domain 0 {why}{hint}"
+    assert line.startswith(
+        "error: DDS domain 0 cannot be joined (DDS_RETCODE_ERROR): is there a network interface, and is CYCLONEDDS_URI "
+    )
+    assert line.endswith(" ROS_LOCALHOST_ONLY=1 limits ROS to this machine")
 
 
 @pytest.mark.parametrize(("agent", "closest", "driver"), [("nearest", "false", "first"), ("first", "true", "nearest")])

@@ -3,7 +3,7 @@
 import pytest
 
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
-from catch_arena.ros.middleware import dds_types
+from catch_arena.ros.middleware import dds_bus
 from catch_arena.ros.middleware.interfaces import (
     CLOCK,
     EMPTY,
@@ -25,11 +25,11 @@ BEGIN = "00010000 0807060504030201 0500000000000000"
 
 
 def encoded(kind, message, **header):
-    return dds_types.to_sample(kind, message, **header).serialize(use_version_2=False)
+    return dds_bus.to_sample(kind, message, **header).serialize(use_version_2=False)
 
 
 def decoded(kind, data, *, header=False):
-    sample = dds_types.idl_struct(kind, header=header).deserialize(data)
+    sample = dds_bus.idl_struct(kind, header=header).deserialize(data)
     message = from_attributes(kind, sample)
     return (message, sample.client, sample.number) if header else message
 
@@ -92,7 +92,7 @@ def test_types_have_the_names_that_ros_gives_them_on_dds():
     """With the student's own package, and turtlesim's newer one."""
     types = Interfaces("my_package", "turtlesim_msgs")
 
-    assert dds_types.dds_name(types.pose) == "turtlesim_msgs::msg::dds_::Pose_"
-    assert dds_types.dds_name(types.turtle_array) == "my_package::msg::dds_::TurtleArray_"
-    assert dds_types.dds_name(types.catch_turtle.request) == "my_package::srv::dds_::CatchTurtle_Request_"
-    assert dds_types.dds_name(EMPTY.response) == "std_srvs::srv::dds_::Empty_Response_"
+    assert dds_bus.dds_name(types.pose) == "turtlesim_msgs::msg::dds_::Pose_"
+    assert dds_bus.dds_name(types.turtle_array) == "my_package::msg::dds_::TurtleArray_"
+    assert dds_bus.dds_name(types.catch_turtle.request) == "my_package::srv::dds_::CatchTurtle_Request_"
+    assert dds_bus.dds_name(EMPTY.response) == "std_srvs::srv::dds_::Empty_Response_"

@@ -6,5 +6,5 @@
   the choice of one.
 - ros_types: the types of a package as ROS has them.
 - typestore: our types as the library rosbags has them, and their hashes.
-- dds_domain: the DDS domain and its discovery. dds_types: messages as DDS has them. fast_dds: nodes with Fast DDS.
+- dds_domain: the DDS domain, its discovery, and nodes with Fast DDS in it.
 """

@@ -7,6 +7,7 @@ its response begin with the client's id and a number; nodes with Fast DDS put bo
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
+from functools import cache
 from itertools import count
 from typing import Any, Final, NamedTuple
 
@@ -15,6 +16,8 @@ from cyclonedds.core import DDSException, Policy, Qos, ReadCondition, WaitSet
 from cyclonedds.core import InstanceState as Instances
 from cyclonedds.core import SampleState as Samples
 from cyclonedds.core import ViewState as Views
+from cyclonedds.idl import make_idl_struct, types
+from cyclonedds.idl.annotations import final
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
@@ -22,16 +25,18 @@ from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, SERVICE_DEPTH, SPIN_S, Bus, Client, Log, OnceLog, Request
-from catch_arena.ros.middleware.dds_domain import code_of, join
-from catch_arena.ros.middleware.dds_types import idl_struct, ros_name, to_sample
-from catch_arena.ros.middleware.fast_dds import FAST_DDS, FastDdsWatch, is_fast_dds
-from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes
+from catch_arena.ros.middleware.dds_domain import FAST_DDS, FastDdsWatch, code_of, is_fast_dds, join, ros_name
+from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes, values_by_field
 from catch_arena.ros.middleware.typestore import type_hash
 from catch_arena.text import one_line
 
 _ANY: Final[int] = Views.Any | Instances.Any | Samples.Any
 _REPLY_WAIT_S: Final = 0.1
 """Longest wait of a response for its client's reader, which may be discovered after the request [s]."""
+_MISSING_MEMBER: Final = "structure_needs_at_least_one_member"
+"""The byte that ROS puts into a type without fields."""
+_DUMMY: Final = {_MISSING_MEMBER: 0}
+_sequence: Final[Any] = types.sequence
 
 OnSample = Callable[[Any], object]
 
@@ -249,3 +254,37 @@ def _qos(*policies: Any, header: bool) -> Qos:
 def _announced(kind: MessageType) -> Any:
     """Return the policy that announces a type's hash: nodes of Iron and later warn of each topic without one."""
     return Policy.Userdata(f"typehash={type_hash(kind)};".encode())
+
+
+def dds_name(kind: MessageType) -> str:
+    """Return DDS's name of a type: turtlesim::msg::dds_::Pose_."""
+    package, folder, name = kind.name.split("/")
+    return f"{package}::{folder}::dds_::{name}_"
+
+
+@cache
+def idl_struct(kind: MessageType, *, header: bool = False) -> Any:
+    """Return the package's own type of a message.
+
+    Args:
+        kind: the message.
+        header: whether it begins with the client's id and a number, as requests and responses do.
+    """
+    fields: dict[str, Any] = {"client": types.uint64, "number": types.int64} if header else {}
+    for name, word, is_sequence in kind.fields:
+        one: Any = _idl_type(word) if isinstance(word, str) else idl_struct(word)
+        fields[name] = _sequence[one] if is_sequence else one
+    if not kind.fields:
+        fields[_MISSING_MEMBER] = types.uint8
+    return final(make_idl_struct(kind.name.rpartition("/")[2], dds_name(kind), fields))
+
+
+def _idl_type(word: str) -> Any:
+    """Return the package's type of a bool, a string or a number."""
+    return {"bool": bool, "string": str}.get(word) or getattr(types, word)
+
+
+def to_sample(kind: MessageType, message: Any, **header: int) -> Any:
+    """Return a message as an object of the package's own type."""
+    values = values_by_field(kind, message, to_sample) or _DUMMY
+    return idl_struct(kind, header=bool(header))(**header, **values)

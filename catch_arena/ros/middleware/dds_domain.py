@@ -1,14 +1,18 @@
-"""The DDS domain of this process and its discovery of other processes, by ROS's environment variables."""
+"""The DDS domain of this process: discovery of others by ROS's environment variables, and nodes with Fast DDS in it.
+
+Over cyclonedds, services and lists of nodes with Fast DDS, ROS's default middleware, do not work.
+"""
 
 import os
 from collections.abc import Mapping
 from typing import Final
 
+from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
 from cyclonedds.core import DDSException, Qos
 from cyclonedds.domain import Domain, DomainParticipant
 
 from catch_arena.errors import BusError
-from catch_arena.ros.middleware.bus import LONGEST
+from catch_arena.ros.middleware.bus import LONGEST, Log
 
 _INDEXED: Final = "<ParticipantIndex>auto</ParticipantIndex><MaxAutoParticipantIndex>120</MaxAutoParticipantIndex>"
 """Settings that allow discovery without multicast: each possible process of a host is asked by its number."""
@@ -18,6 +22,15 @@ _LOCALHOST: Final = (
     f'<AllowMulticast>false</AllowMulticast></General><Discovery>{_INDEXED}<Peers><Peer address="127.0.0.1"/></Peers>'
     "</Discovery>"
 )
+FAST_DDS: Final = (
+    "a node with Fast DDS, ROS's default middleware, {use}, and services of such nodes do not work over cyclonedds: "
+    "start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or use --bus rclpy or --bus rosbridge"
+)
+"""The warning about a node with Fast DDS, with the ways to use it."""
+_VENDOR: Final = "010f"
+"""Beginning of the process ids of Fast DDS; Cyclone's begin with 0110."""
+_IN_ONE_SPIN: Final = 8
+"""Number of readers, and of writers, examined in one spin, 0.1 ms each, so that hundreds do not hold up a tick."""
 _domains: Final[dict[int, Domain]] = {}
 """Domains that this process has configured; each can be configured only once."""
 
@@ -32,17 +45,12 @@ def join(domain: int, qos: Qos) -> DomainParticipant:
         if domain not in _domains:
             _domains[domain] = Domain(domain, configuration(os.environ))
         return DomainParticipant(domain, qos=qos)
-    except UnicodeEncodeError:
+    except (DDSException, UnicodeEncodeError) as error:  # the package takes a configuration in ASCII
+        cause = code_of(error) if isinstance(error, DDSException) else "its configuration is not ASCII"
         raise BusError(
-            "CYCLONEDDS_URI must be ASCII, because the package cyclonedds takes no other characters"
+            f"DDS domain {domain} cannot be joined ({cause}): is there a network interface, and is CYCLONEDDS_URI "
+            "right, if it is set? ROS_LOCALHOST_ONLY=1 limits ROS to this machine"
         ) from None
-    except DDSException as error:
-        advice = "is there a network interface?"
-        if os.environ.get("CYCLONEDDS_URI"):
-            advice = "is CYCLONEDDS_URI right? The lines of cyclonedds above are about it, or about a network interface"
-        elif not is_localhost_only(os.environ):
-            advice += " ROS_LOCALHOST_ONLY=1 limits ROS to this machine"
-        raise BusError(f"DDS domain {domain} cannot be joined ({code_of(error)}): {advice}") from None
 
 
 def is_localhost_only(environment: Mapping[str, str]) -> bool:
@@ -64,3 +72,43 @@ def configuration(environment: Mapping[str, str]) -> str:
 def code_of(error: DDSException) -> str:
     """Return DDS's name of an error."""
     return str(DDSException.error_message_mapping.get(error.code, (f"code {error.code}", ""))[0])
+
+
+def ros_name(topic: str) -> str:
+    """Return ROS's name of a DDS topic."""
+    return topic[2:].removesuffix("Request" if topic.startswith("rq") else "Reply" if topic.startswith("rr") else "")
+
+
+def is_fast_dds(process: str) -> bool:
+    """Return whether a process uses Fast DDS, by the vendor in its id."""
+    return process.replace("-", "").startswith(_VENDOR)
+
+
+class FastDdsWatch:
+    """Watch that warns once if a node with Fast DDS uses a topic that does not work between it and Cyclone.
+
+    Args:
+        participant: DDS participant of this process.
+        log: takes the line.
+    """
+
+    def __init__(self, participant: DomainParticipant, log: Log) -> None:
+        self._appeared = [
+            BuiltinDataReader(participant, kind) for kind in (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)
+        ]
+        self._log = log
+        self.topics: set[str] = set()
+        """DDS topics that do not work between Fast DDS and Cyclone."""
+
+    def look(self) -> None:
+        """Examine some of the readers and writers that have appeared."""
+        found = [one for reader in self._appeared for one in reader.take(_IN_ONE_SPIN) if one.sample_info.valid_data]
+        for one in found:
+            if one.topic_name in self.topics and is_fast_dds(str(one.participant_key)):
+                self._log(f"warning: {FAST_DDS.format(use=f'uses {ros_name(one.topic_name)}')}")
+                self.close()
+                return
+
+    def close(self) -> None:
+        """Stop examining readers and writers."""
+        self._appeared.clear()
