@@ -1,9 +1,14 @@
-"""Reading of bags that anyone records of turtlesim and the exercise's nodes."""
+"""Reading of bags that anyone records of turtlesim and the exercise's nodes: poses of turtles, and targets alive.
+
+Times are milliseconds since the bag's first message.
+"""
 
 import math
 import re
+from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -16,7 +21,7 @@ from rosbags.typesys.store import Typestore
 from catch_arena.config import TURTLESIM_SIDE_M
 from catch_arena.errors import ReplayError, reason
 from catch_arena.messages import Pose, Turtle
-from catch_arena.ros.bags.contents import BagContents, Track
+from catch_arena.replay.motion import interpolate
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, POSE, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.ros.middleware.typestore import register
@@ -30,6 +35,50 @@ _OWN_HUNTER: Final = re.compile(r"hunter_\d+")
 
 _Handler = Callable[[float, Any], None]
 """Function that takes the time [ms] and one message, and raises an error for a message with impossible values."""
+
+
+@dataclass(slots=True)
+class Track:
+    """Poses of one turtle, at least one, in the order of time."""
+
+    times_ms: list[float] = field(default_factory=list)
+    poses: list[Pose] = field(default_factory=list)
+
+    def last(self, time_ms: float) -> Pose:
+        """Return the last pose at or before a time, or else the first one."""
+        return self.poses[max(0, bisect_right(self.times_ms, time_ms) - 1)]
+
+    def at(self, time_ms: float) -> Pose:
+        """Return the pose at a time: interpolated between recorded poses, or the nearest end outside the track."""
+        after = bisect_right(self.times_ms, time_ms)
+        if after in {0, len(self.poses)}:
+            return self.last(time_ms)
+        begin_ms, end_ms = self.times_ms[after - 1 : after + 1]
+        start, stop = self.poses[after - 1 : after + 1]
+        part = (time_ms - begin_ms) / (end_ms - begin_ms)
+        x, y, theta = interpolate(start[:3], stop[:3], part)
+        return Pose(x, y, math.remainder(theta, math.tau), *stop[3:])
+
+    @property
+    def end_ms(self) -> float:
+        """Time of the last pose."""
+        return self.times_ms[-1]
+
+
+@dataclass(frozen=True, slots=True)
+class BagContents:
+    """Contents of a bag."""
+
+    hunters: Mapping[str, Track]
+    """Tracks of the hunters by name, in the order of seats."""
+    lists: Sequence[tuple[float, Sequence[Turtle]]]
+    """Times [ms] and the targets that were alive from then on, in places clamped to the window as turtlesim does.
+
+    A target that leaves the list was caught.
+    """
+    end_ms: float
+    left_out: int
+    """Number of messages that are damaged or have impossible values."""
 
 
 def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> BagContents:

@@ -8,7 +8,7 @@ from typing import Final
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.explanation.formatting import metres
-from catch_arena.ros.bags.contents import BagContents
+from catch_arena.ros.bags.reading import BagContents
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling
 

@@ -16,7 +16,7 @@ from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import RenderReport, frame_rate, frame_size, frames_of, write_video
-from catch_arena.ros.bags.contents import BagContents
+from catch_arena.ros.bags.reading import BagContents
 from catch_arena.ros.bags.rulings import JudgedCatch
 from catch_arena.scenarios import scenario
 from catch_arena.world import HunterState, TargetState, World
