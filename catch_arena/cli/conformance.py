@@ -10,7 +10,7 @@ from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.outputs import Force, reserve_file
 from catch_arena.cli.progress import progress_bar
-from catch_arena.cli.terminal import echo, own_console
+from catch_arena.cli.terminal import echo
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 from catch_arena.files import write_whole
 from catch_arena.tournament.loading import load_file, load_module
@@ -54,7 +54,7 @@ def conformance(
     has an example. A ROS 2 node plays only the cases that fit its service (see `catch-arena docs grade_ros_node`).
     --interfaces and --bus are for nodes only.
     """
-    from catch_arena.conformance.results import WIDTH, wrapped
+    from catch_arena.conformance.results import wrapped
     from catch_arena.testing import run_conformance, select_cases
 
     if listing:
@@ -82,11 +82,10 @@ def conformance(
                 limit_s=_LIMIT_S,
                 progress=show,
             )
-    width = min(WIDTH, own_console().width)
-    echo(report.in_full(width) if everything else report.by_mistake(width))
+    echo(report.in_full() if everything else str(report))
     if report.failures and not everything:
         first = report.diagnoses[0].failures[0].case.id
-        echo(wrapped(f"--all shows every failure in full, --only {first} plays one case.", width))
+        echo(wrapped(f"--all shows every failure in full, --only {first} plays one case."))
     if junit is not None:
         write_whole(junit, report.junit().encode())
         echo(f"JUnit XML: {junit}")

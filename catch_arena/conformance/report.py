@@ -1,6 +1,5 @@
 """Report of a run of the suite: as text for readers, and as JUnit XML for a build server."""
 
-import textwrap
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -11,7 +10,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from catch_arena.conformance.adjudicator_calls import counted
 from catch_arena.conformance.comparison import Compared
 from catch_arena.conformance.diagnosis import Diagnosis, diagnose
-from catch_arena.conformance.results import WIDTH, Failure, Result, wrapped
+from catch_arena.conformance.results import Failure, Result, wrapped
 from catch_arena.text import printable, printable_lines
 
 _MOST_LINES: Final = 58
@@ -56,23 +55,18 @@ class Report:
 
     def __str__(self) -> str:
         """Return the failures by mistake, the passed cases by group if any failed, and the summary."""
-        return self.by_mistake(WIDTH)
-
-    def by_mistake(self, width: int) -> str:
-        """Return the report by mistake (see `__str__`), in lines of at most `width` characters."""
         numbered = list(enumerate(self.diagnoses, start=1))
-        last = [*self._by_group(width), wrapped(self.summary, width, "", "  ")]
         in_full: list[str] = []
-        text = "\n\n".join(last)
+        text = self._counts()
         for number, diagnosis in numbered:
-            in_full.append(self._diagnosis_text(number, diagnosis, width))
-            longer = "\n\n".join([*in_full, *self._named(numbered[number:], width), *last])
+            in_full.append(self._diagnosis_text(number, diagnosis))
+            longer = "\n\n".join([*in_full, *self._named(numbered[number:]), self._counts()])
             if number > 1 and longer.count("\n") >= _MOST_LINES:
                 break
             text = longer
         return text
 
-    def _named(self, rest: Sequence[tuple[int, Diagnosis]], width: int) -> list[str]:
+    def _named(self, rest: Sequence[tuple[int, Diagnosis]]) -> list[str]:
         """Return one paragraph with the headings of further diagnoses; nothing if there are none."""
         lines = ["More mistakes; --only with the id of a case shows it in full:"]
         lines += [
@@ -81,24 +75,21 @@ class Report:
         ]
         if left := rest[_MOST_NAMED:]:
             lines.append(f"and {len(left)} more, with {counted(sum(len(one.failures) for _, one in left), 'failure')}")
-        return ["\n".join(wrapped(line, width, "", "   ") for line in lines)] if rest else []
+        return ["\n".join(map(wrapped, lines))] if rest else []
 
-    def in_full(self, width: int = WIDTH) -> str:
+    def in_full(self) -> str:
         """Return every failure, the passed cases by group if any failed, and the summary."""
-        failures = (failure.describe(width) for failure in self.failures)
-        return "\n\n".join([*failures, *self._by_group(width), wrapped(self.summary, width, "", "  ")])
+        return "\n\n".join([*map(str, self.failures), self._counts()])
 
-    def _diagnosis_text(self, number: int, diagnosis: Diagnosis, width: int) -> str:
+    def _diagnosis_text(self, number: int, diagnosis: Diagnosis) -> str:
         """Return a diagnosis as text: its heading, its first failure, and the names of the others."""
         first, *remaining = diagnosis.failures
-        lines = [
-            wrapped(f"{number}. {_heading(diagnosis)}", width, "", "   "),
-            *([wrapped(diagnosis.rule, width, "   ")] if diagnosis.rule else []),
-            textwrap.indent(first.describe(width - 3, brief=True), "   "),
-        ]
+        lines = [wrapped(f"{number}. {_heading(diagnosis)}")]
+        if diagnosis.rule:
+            lines.append(wrapped(diagnosis.rule))
+        lines.append(first.describe(brief=True))
         if remaining:
-            names = f"{len(remaining)} more: {self._names(remaining)}"
-            lines.append(wrapped(names, width, "   ", "     ", _MOST_LINES_OF_IDS))
+            lines.append(wrapped(f"{len(remaining)} more: {self._names(remaining)}", max_lines=_MOST_LINES_OF_IDS))
         return "\n".join(lines)
 
     def _names(self, failures: Sequence[Failure]) -> str:
@@ -115,11 +106,11 @@ class Report:
     def _groups(self) -> Counter[str]:
         return Counter(result.case.group for result in self.results if result.played)
 
-    def _by_group(self, width: int) -> list[str]:
-        """Return one paragraph with the number of passed cases of each group; nothing if no case failed."""
+    def _counts(self) -> str:
+        """Return the summary, after the number of passed cases of each group if any failed."""
         failed = Counter(failure.case.group for failure in self.failures)
         passed = ", ".join(f"{group} {count - failed[group]} of {count}" for group, count in self._groups.items())
-        return [wrapped(f"passed: {passed}", width, "", "  ")] if failed else []
+        return "\n\n".join([*([wrapped(f"passed: {passed}")] if failed else []), wrapped(self.summary)])
 
     def junit(self) -> str:
         """Return the report as JUnit XML, with one test case for each case."""

@@ -9,8 +9,8 @@ from catch_arena.conformance.adjudicator_calls import KINDS, Difference
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
 from catch_arena.text import shortened
 
-WIDTH: Final = 100
-"""Default width of a report [characters]."""
+_WIDTH: Final = 80
+"""Longest line of a report, unless a word is longer [characters]."""
 _MOST_DIFFERENCES: Final = 6
 _BRIEF_DIFFERENCES, _BRIEF_LINES = 2, 3
 """Limits of a brief description of a case: the number of differences, and the lines of each other paragraph."""
@@ -35,10 +35,10 @@ class Failure:
 
     def __str__(self) -> str:
         """Return the failure as text: case, clauses, expected and given answer, and why it matters."""
-        return self.describe(WIDTH)
+        return self.describe()
 
-    def describe(self, width: int, *, brief: bool = False) -> str:
-        """Return the failure as text (see `__str__`) in lines of at most `width` characters; `brief` cuts it."""
+    def describe(self, *, brief: bool = False) -> str:
+        """Return the failure as text (see `__str__`), which `brief` cuts."""
         case = self.case
         if isinstance(case, ArbiterCase):
             paragraphs = [f"Position: {_position(case)}", f"Requests: {_requests(case.expected)}"]
@@ -54,9 +54,9 @@ class Failure:
         why = f"Why it matters: {case.why}"
         if case.options:
             why += f" The rulebook chose «{case.options[0]}», not {_either(case.options[1:])}."
-        lines = [wrapped(f"FAILED {case.id} ({', '.join(case.clauses)}): {case.situation}", width, "", "  ")]
-        lines += [wrapped(text, width, "  ", "    ", _BRIEF_LINES if brief else None) for text in paragraphs]
-        lines += [wrapped(text, width, "  ", "    ") for text in (*differences, why)]
+        lines = [wrapped(f"FAILED {case.id} ({', '.join(case.clauses)}): {case.situation}")]
+        lines += [wrapped(text, "  ", _BRIEF_LINES if brief else None) for text in paragraphs]
+        lines += [wrapped(text, "  ") for text in (*differences, why)]
         return "\n".join(lines)
 
 
@@ -76,16 +76,13 @@ class Result:
         return not self.left_out
 
 
-def wrapped(text: str, width: int, first: str = "", then: str | None = None, max_lines: int | None = None) -> str:
-    """Return a text in lines of at most `width` characters, unless a word is longer; it is cut off after `most` lines.
-
-    The first line begins with `first`, the others with `then`, or with `first` if that is None.
-    """
+def wrapped(text: str, indent: str = "", max_lines: int | None = None) -> str:
+    """Return a text in lines, all but the first indented by two more characters; it is cut off after `max_lines`."""
     return textwrap.fill(
         text,
-        width,
-        initial_indent=first,
-        subsequent_indent=first if then is None else then,
+        _WIDTH,
+        initial_indent=indent,
+        subsequent_indent=f"{indent}  ",
         break_on_hyphens=False,
         break_long_words=False,
         max_lines=max_lines,

@@ -55,16 +55,6 @@ def test_all_shows_every_failure_in_full(conformance, tmp_path):
     assert everything.output.splitlines()[-1] == "cases: 0 passed, 17 failed"
 
 
-@pytest.mark.parametrize("words", [["--only", "claimants", "--only", "ties"], ["--only", "basics", "--all"]])
-def test_a_report_fits_forty_columns(conformance, tmp_path, monkeypatch, words):
-    """But for words that are longer alone; its last lines too."""
-    monkeypatch.setenv("COLUMNS", "40")
-    (tmp_path / "my_arbiter.py").write_text(blocks("python")[0])
-    lines = conformance("my_arbiter.py:arbiter", *words).output.splitlines()
-    assert len(lines) > 30
-    assert all(len(line) <= 40 or " " not in line.strip() for line in lines)
-
-
 def test_the_pages_python_runs():
     exec(blocks("python")[1], {})  # noqa: S102 - that is what is tested
 

@@ -100,7 +100,7 @@ def test_a_students_arbiter_is_told_its_mistakes_on_one_page(student, named, evi
     found = counts(report)
     assert named in found, str(report)
     assert ids(failure for one in report.diagnoses for failure in one.failures) == ids(report.failures)
-    text = report.by_mistake(80)
+    text = str(report)
     assert text.count("\n") < 60
     assert count_in_full(text) >= min(2, len(found))
     words = " ".join(text.split())  # as they are without line breaks
