@@ -8,7 +8,7 @@ from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import ros_types
 from catch_arena.ros.middleware.bus import Endpoint
-from catch_arena.ros.middleware.interfaces import Interfaces, from_attributes
+from catch_arena.ros.middleware.interfaces import INTERFACES, Interfaces, from_attributes
 from catch_arena.ros.middleware.rclpy_bus import to_ros
 from catch_arena.ros.middleware.ros_types import (
     describe_type,
@@ -151,18 +151,17 @@ def test_packages_that_fit_are_found_and_ours_only_if_no_other_does(package, mon
     assert list(fitting_packages(Interfaces())) == found
 
 
-def test_where_none_fits_the_nearest_are_told_with_what_they_hold(package, monkeypatch):
-    """Others are no concern of the exercise's."""
-    package("leds", {"State": {"on": "boolean"}}, {"SetLed": ({"state": "string"}, {"success": "boolean"})})
+def test_where_none_fits_one_line_says_how_to_see_why(package, monkeypatch):
     package("mine", USUAL["msg"], {"CatchTurtle": ({"id": "int64"}, {"success": "boolean"})})
-    monkeypatch.setattr(ros_types, "_packages", lambda: iter(["leds", "mine"]))
-    with pytest.raises(BusError) as error:
+    monkeypatch.setattr(ros_types, "_packages", lambda: iter(["mine"]))
+    with pytest.raises(BusError, match=r"^no package with the types of my_robot_interfaces is sourced: build your .* "):
         fitting_packages(Interfaces())
-    assert str(error.value).startswith(
-        "mine/srv/CatchTurtle_Request has int64 id: it needs one text named name, or only one text; correct the file"
-    )
-    monkeypatch.setattr(ros_types, "_packages", lambda: iter(["leds"]))
-    with pytest.raises(BusError, match=r"^my_robot_interfaces has no srv that this Python can import: build"):
+    with pytest.raises(BusError, match=r"^mine/srv/CatchTurtle_Request has int64 id: it needs one text named name, or"):
+        found_types(Interfaces("mine"), list)
+    msg = {word: {a: b.replace("mine", INTERFACES) for a, b in fields.items()} for word, fields in USUAL["msg"].items()}
+    package(INTERFACES, msg, {"CatchTurtle": ({"id": "int64"}, {"success": "boolean"})})
+    monkeypatch.setattr(ros_types, "_packages", lambda: iter([INTERFACES]))
+    with pytest.raises(BusError, match=rf"^{INTERFACES}/srv/CatchTurtle_Request has int64 id: "):
         fitting_packages(Interfaces())
 
 

@@ -51,7 +51,8 @@ def test_a_package_with_other_words_is_found_by_itself(bus_with):
 
 def test_a_package_with_two_lists_is_refused_before_the_match(bus_with):
     """The line says what the file holds, and what is missing."""
-    code, printed = bus_with("two_lists_interfaces").serve(*ANNA, waits=False).finish()
+    package = "two_lists_interfaces"
+    code, printed = bus_with(package).serve(*ANNA, "--interfaces", package, waits=False).finish()
     assert code == 2
     assert "error: two_lists_interfaces/msg/TurtleArray " in printed
     assert "alive" in printed

@@ -3,6 +3,7 @@
 import re
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
@@ -36,6 +37,7 @@ _LIKELY: Final = re.compile("catch|kill|turtle", re.IGNORECASE)
 _CORRECT: Final = (
     "correct the file, build the package again with colcon and source it; ros2/catch_arena_interfaces is an example"
 )
+_BUILD: Final = "build your package with colcon, and source its workspace: source install/setup.bash"
 _LOOK_S: Final = 2.0
 """Time of the search for nodes that use a package's types, if several packages have them [s]."""
 _MESSAGE: Final = re.compile(r"\w+/\w+")
@@ -116,14 +118,19 @@ def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
     Raises:
         BusError: if none fits.
     """
-    found, faults = _find_types(sorted(_packages()), lambda package: package_types(package, given))
+    packages = sorted(_packages())
+    found = _matches(packages, lambda package: package_types(package, given))
     if INTERFACES in found:
         return {INTERFACES: found[INTERFACES]}
     if len(found) > 1:
         found.pop(OWN_PACKAGE, None)
+    if not found and given.package in packages:
+        return {given.package: package_types(given.package, given)}
     if not found:
-        near = [fault for package, fault in faults.items() if _is_near(fault, package)]
-        raise BusError(near[0]) if near else _not_built(given.package, "srv")
+        raise BusError(
+            f"no package with the types of {INTERFACES} is sourced: {_BUILD}, or name yours with --interfaces, which "
+            "prints what it lacks"
+        )
     return found
 
 
@@ -158,48 +165,33 @@ def _packages() -> Iterator[str]:
             yield package
 
 
-def _only(package: str, folder: str, usual: str, match: Any) -> Any:
+def _only(package: str, folder: str, usual: str, match: Callable[[str], Any]) -> Any:
     """Return the match of the usual word, or of the only one that fits."""
     try:
         module = import_module(f"{package}.{folder}")
     except ImportError:
-        raise _not_built(package, folder) from None
+        raise BusError(f"{package} has no {folder} that this Python can import: {_BUILD}") from None
     mark = "Request" if folder == "srv" else "get_fields_and_field_types"
-    names = [word for word in dir(module) if hasattr(getattr(module, word), mark)]
-    if usual in names:
+    names = [f"{package}/{folder}/{word}" for word in dir(module) if hasattr(getattr(module, word), mark)]
+    if f"{package}/{folder}/{usual}" in names:
         return match(f"{package}/{folder}/{usual}")
-    found, faults = _find_types(names, lambda word: match(f"{package}/{folder}/{word}"))
-    likely = [one for word, one in found.items() if _LIKELY.search(word)] or list(found.values())
+    found = _matches(names, match)
+    likely = {name: one for name, one in found.items() if _LIKELY.search(name.rpartition("/")[2])} or found
     if len(likely) == 1:
-        return likely[0]
-    if found:
-        several = " and ".join(one.name for one in likely)
+        return next(iter(likely.values()))
+    if likely:
+        several = " and ".join(likely)
         raise BusError(f"{package}: {usual} could be {several}; name one of them {usual}, and build {package} again")
-    near = [fault for fault in faults.values() if _is_near(fault, package)]
-    raise BusError(near[0] if near else f"{package}/{folder} has no type that fits {usual}; {_CORRECT}")
+    raise BusError(f"{package}/{folder} has no type that fits {usual}; {_CORRECT}")
 
 
-def _find_types(names: Iterable[str], match: Callable[[str], Any]) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the matches of the names that have one, and the faults of the others."""
-    found, faults = {}, {}
+def _matches(names: Iterable[str], match: Callable[[str], Any]) -> dict[str, Any]:
+    """Return the matches of the names that have one."""
+    found = {}
     for name in names:
-        try:
+        with suppress(BusError):
             found[name] = match(name)
-        except BusError as error:
-            faults[name] = str(error)
-    return found, faults
-
-
-def _is_near(fault: str, package: str) -> bool:
-    """Return whether a fault is about a type whose name looks like one of the exercise."""
-    return _LIKELY.search(" ".join(fault.replace(package, "").split()[:2])) is not None
-
-
-def _not_built(package: str, folder: str) -> BusError:
-    return BusError(
-        f"{package} has no {folder} that this Python can import: "
-        "build your package with colcon, and source its workspace: source install/setup.bash",
-    )
+    return found
 
 
 def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
