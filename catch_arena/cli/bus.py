@@ -1,6 +1,7 @@
 """Options for a ROS 2 bus and its packages, shared by all commands that exchange messages with nodes."""
 
-from collections.abc import Iterator
+import re
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final
@@ -10,15 +11,26 @@ from typer.core import TyperCommand
 
 from catch_arena.cli.options import ConditionalOptions
 from catch_arena.cli.terminal import echo
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, suggest
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
 from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
-from catch_arena.ros.middleware.opening import BRIDGE_URL, describe_bus, is_service, open_bus, require_package
+from catch_arena.ros.middleware.opening import BRIDGE_URL, describe_bus, open_bus
+from catch_arena.text import shortened
 
 if TYPE_CHECKING:
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
 _ROS_ARGS: Final = "--ros-args"
+SPAWN_FREQUENCY: Final = "spawn_frequency"
+NAME_PREFIX: Final = "turtle_name_prefix"
+CLOSEST_FIRST: Final = "catch_closest_turtle_first"
+_WORDS: Final = {"-p", "--param"}
+_BOOLEANS: Final = {"true": True, "false": False}
+_KINDS: Final = {bool: "true or false", float: "a number", str: "a text"}
+
+Value = bool | float | str
+_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
+_SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 SERVICE: Final = "ros:"
 """Prefix of a word that names a node's service: ros:/catch_turtle."""
 RosArgs = Annotated[
@@ -64,8 +76,8 @@ class Packages:
     ] = TURTLESIM
 
     def __post_init__(self) -> None:
-        require_package("--interfaces", self.interfaces)
-        require_package("--turtlesim", self.turtlesim)
+        checked_name("--interfaces", self.interfaces, INTERFACES)
+        checked_name("--turtlesim", self.turtlesim, TURTLESIM)
 
     @property
     def types(self) -> Interfaces:
@@ -137,3 +149,54 @@ class NodeUnderTestOptions(ConditionalOptions):
         bus = Bus(interfaces=self.interfaces, bus=self.bus)
         with bus.joined("catch_arena") as joined:
             yield NodeUnderTest(joined, service, joined.interfaces(bus.types), lambda line: echo(line, err=True))
+
+
+def checked_name(setting: str, name: str, example: str) -> str:
+    """Return the name of a turtle or a package, or the beginning of a name; an invalid name of a turtle ends turtlesim.
+
+    Raises:
+        ConfigError: for an invalid name.
+    """
+    if not _NAME.fullmatch(name):
+        raise ConfigError(
+            f"{setting} must be letters, digits and underscores, such as {example}, got {shortened(name)}"
+        )
+    return name
+
+
+def is_service(name: str) -> bool:
+    """Return whether a service can have that name: /catch_turtle."""
+    return _SERVICE.fullmatch(name) is not None
+
+
+def parameters_from(words: Sequence[str], defaults: Mapping[str, Value]) -> dict[str, Value]:
+    """Return a node's parameters by name; of several values the last one counts.
+
+    Args:
+        words: the arguments after --ros-args.
+        defaults: values of the parameters that are not given; a given value must have the default's type.
+
+    Raises:
+        ConfigError: for an unknown word or parameter, and for a value of another type.
+    """
+    values = dict(defaults)
+    rest = iter(words)
+    for word in rest:
+        text = next(rest, None)
+        if word not in _WORDS or text is None:
+            raise ConfigError(f"--ros-args must be -p NAME:=VALUE, such as -p {SPAWN_FREQUENCY}:=2.0, got {word!r}")
+        name, sign, value = text.partition(":=")
+        if not name or not sign:
+            raise ConfigError(f"--ros-args -p must be NAME:=VALUE, such as {SPAWN_FREQUENCY}:=2.0, got {text!r}")
+        if name not in values:
+            known = suggest(name, values) if values else "this node has none"
+            raise ConfigError(f"there is no parameter {shortened(name)}: {known}")
+        values[name] = _value(name, value, type(values[name]))
+    return values
+
+
+def _value(name: str, word: str, kind: type) -> Value:
+    try:
+        return _BOOLEANS[word.lower()] if kind is bool else kind(word)
+    except (KeyError, ValueError):
+        raise ConfigError(f"{name} must be {_KINDS[kind]}, got {shortened(word)}") from None

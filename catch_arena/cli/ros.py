@@ -1,6 +1,5 @@
 """`catch-arena ros`: the arena, and our own nodes, on a ROS 2 bus."""
 
-import re
 from collections.abc import Collection
 from contextlib import closing
 from pathlib import Path
@@ -10,17 +9,27 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import EXIT_NO, Commands, Program, main
-from catch_arena.cli.bus import Bus, NodeCommand, RosArgs
+from catch_arena.cli.bus import (
+    CLOSEST_FIRST,
+    NAME_PREFIX,
+    SPAWN_FREQUENCY,
+    Bus,
+    NodeCommand,
+    RosArgs,
+    checked_name,
+    is_service,
+    parameters_from,
+)
 from catch_arena.cli.matches import print_ranking
 from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, Force, reserve_file
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
-from catch_arena.ros.middleware.opening import is_service
+from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.seeding import arena_seed
-from catch_arena.text import name_fault, shortened
+from catch_arena.text import name_fault
 from catch_arena.tournament.parties import Parties
 
 if TYPE_CHECKING:
@@ -34,7 +43,6 @@ ros = Program(
 )
 main.add_typer(ros)
 
-_TURTLE = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 _CLOSEST, _OLDEST = "nearest", "first"
 """Agents that the exercise's parameter catch_closest_turtle_first selects: with true, and with false."""
 _OWN_SETTINGS = {
@@ -131,7 +139,7 @@ def controller(
         str, typer.Argument(help="Agent that drives: a shipped agent's name or a .py file, as in `catch-arena match`.")
     ] = "nearest",
     *,
-    turtle: Annotated[str, typer.Option(metavar="NAME", help="Name of the turtle that it drives.")] = "turtle1",
+    turtle: Annotated[str, typer.Option(metavar="NAME", help="Name of the turtle that it drives.")] = TURTLE,
     service: Annotated[
         str | None,
         typer.Option(
@@ -150,7 +158,6 @@ def controller(
     nearest, and false selects first.
     """
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
-    from catch_arena.ros.nodes.parameters import CLOSEST_FIRST, parameters_from
     from catch_arena.ros.nodes.rate import Rate
     from catch_arena.tournament.isolation.sandbox import sandbox_for
     from catch_arena.tournament.players import Players
@@ -160,7 +167,7 @@ def controller(
     if values:
         agent = _CLOSEST if values[CLOSEST_FIRST] else _OLDEST
     config = SCENARIOS["capstone"]
-    turtle = checked_turtle("--turtle", turtle)
+    turtle = checked_name("--turtle", turtle, TURTLE)
     if service is not None and not is_service(service):
         raise ConfigError(f"--service must be the name of a service, such as /catch_turtle, got {service!r}")
     entrants = enter_agents([agent], quotas)
@@ -189,7 +196,7 @@ def spawner(
     *,
     turtle: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Turtle that hunts; may be repeated.", show_default="turtle1"),
+        typer.Option(metavar="NAME", help="Turtle that hunts; may be repeated.", show_default=TURTLE),
     ] = None,
     reach: Annotated[float, typer.Option(metavar="METRES", help="Catch distance [m].")] = 0.5,
     bus: Bus,
@@ -200,13 +207,12 @@ def spawner(
     With several turtles, each calls its own service, for example /turtle2/catch_turtle.
     """
     from catch_arena.core.physics import DT
-    from catch_arena.ros.nodes.parameters import NAME_PREFIX
     from catch_arena.ros.nodes.rate import Rate
     from catch_arena.ros.nodes.spawner import Spawner
 
-    turtles = tuple(dict.fromkeys(checked_turtle("--turtle", name) for name in turtle or ("turtle1",)))
+    turtles = tuple(dict.fromkeys(checked_name("--turtle", name, TURTLE) for name in turtle or (TURTLE,)))
     config = _with_parameters(SCENARIOS["capstone"].replace(reach_m=reach), ros_args)
-    checked_turtle(NAME_PREFIX, config.name_prefix)
+    checked_name(NAME_PREFIX, config.name_prefix, "target_turtle_")
     with bus.joined("turtle_spawner") as joined:
         node = Spawner(joined, turtles, joined.interfaces(bus.types), config, seed=arena_seed(None), log=echo)
         rate = Rate(DT)
@@ -246,23 +252,10 @@ def doctor(*, bus: Bus) -> None:
 
 def _with_parameters(config: ArenaConfig, ros_args: list[str] | None) -> ArenaConfig:
     """Return the settings with the parameters of the exercise's spawner that --ros-args has."""
-    from catch_arena.ros.nodes.parameters import NAME_PREFIX, SPAWN_FREQUENCY, parameters_from
-
     values = parameters_from(
         ros_args or (), {SPAWN_FREQUENCY: float(config.spawn_frequency_hz), NAME_PREFIX: config.name_prefix}
     )
     return config.replace(spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=values[NAME_PREFIX])
-
-
-def checked_turtle(setting: str, name: str) -> str:
-    """Return a turtle's name, or its beginning, if it is valid: an invalid name ends turtlesim.
-
-    Raises:
-        ConfigError: for an invalid name.
-    """
-    if not _TURTLE.fullmatch(name):
-        raise ConfigError(f"{setting} must be letters, digits and underscores, such as turtle1, got {shortened(name)}")
-    return name
 
 
 def _print_ranking(served: "Served", config: ArenaConfig) -> None:

@@ -164,9 +164,8 @@ def test_a_bag_is_replaced_with_force_alone_and_what_is_no_bag_never(replays, tm
 def test_a_package_that_cannot_be_is_one_line(replays, tmp_path, option, name):
     refused = run("ros", "bag", replays / "one.replay", "-o", tmp_path / "b", option, name)
     assert refused.exit_code == 2
-    assert refused.stderr == (
-        f"error: {option} must be the name of a ROS package, such as my_robot_interfaces, got {name!r}\n"
-    )
+    assert refused.stderr.startswith(f"error: {option} must be letters, digits and underscores, such as ")
+    assert refused.stderr.endswith(f", got {name!r}\n")
 
 
 @pytest.mark.parametrize("words", [["bag", "x.replay"], ["import", "x"]])

@@ -27,12 +27,15 @@ def run(*arguments):
         (("serve", "--seat", "0=ros:\x1b[31m"), "--seat 0: its name must have 1 to 100 printable characters"),
         (("serve", "--seat", "3=ros", "--set", "hunters=2"), "--seat must be from 0 to 1 in exercise, got 3"),
         (("serve", "-s", "duel", "--seat", "2=ros"), "--seat must be from 0 to 1 in duel, got 2"),
-        (("serve", "--interfaces", "my-robot"), "--interfaces must be the name of a ROS package"),
+        (
+            ("serve", "--interfaces", "my-robot"),
+            "--interfaces must be letters, digits and underscores, such as my_robot_interfaces, got ",
+        ),
         (("controller", "--turtle", "bad name!"), "--turtle must be letters, digits and underscores, such as turtle1"),
         (("spawner", "--ros-args", "-p", "spawn_frequency:=nan"), "spawn_frequency_hz must"),
         (
             ("spawner", "--ros-args", "-p", "turtle_name_prefix:=2nd"),
-            "turtle_name_prefix must be letters, digits and underscores, such as turtle1, got '2nd'",
+            "turtle_name_prefix must be letters, digits and underscores, such as target_turtle_, got '2nd'",
         ),
         (("spawner", "--ros-args", "-p", "spawn_frequency:=2.0", "--", "--reach", "-1"), "reach_m must be"),
         (

@@ -1,7 +1,6 @@
 """Choice of a back-end, and joining the bus by it."""
 
 import os
-import re
 import sys
 from collections.abc import Mapping
 from importlib import import_module
@@ -9,7 +8,7 @@ from typing import Final
 
 from catch_arena.errors import BusError, ConfigError, install_hint
 from catch_arena.ros.middleware.bus import BACKENDS, Backend, Bus, Log
-from catch_arena.ros.middleware.interfaces import INTERFACES, Interfaces
+from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.text import one_line
 
 BRIDGE_URL: Final = "ws://127.0.0.1:9090"
@@ -18,8 +17,6 @@ _HIGHEST_DOMAIN: Final = 232
 """The highest DDS domain id; the ports of higher ones do not exist."""
 _MODULES: Final[Mapping[Backend, str]] = {"cyclonedds": "cyclonedds", "rosbridge": "websockets", "rclpy": "rclpy.node"}
 _INSTALL: Final = install_hint("ros")
-_SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
-_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 
 def open_bus(bus: str | None = None, *, node: str = "catch_arena", log: Log = print) -> Bus:
@@ -64,21 +61,6 @@ def describe_bus(bus: Bus, interfaces: Interfaces) -> str:
     middleware = f", {bus.middleware}" if bus.middleware else ""
     python = f"Python {sys.version_info.major}.{sys.version_info.minor}"
     return f"bus: {bus.backend}{where}{middleware}, {python}, interfaces of {interfaces.package}"
-
-
-def is_service(name: str) -> bool:
-    """Return whether a service can have that name: /catch_turtle."""
-    return _SERVICE.fullmatch(name) is not None
-
-
-def require_package(option: str, name: str) -> None:
-    """Require the name of a ROS package.
-
-    Raises:
-        ConfigError: for anything else.
-    """
-    if not _NAME.fullmatch(name):
-        raise ConfigError(f"{option} must be the name of a ROS package, such as {INTERFACES}, got {name!r}")
 
 
 def _domain() -> int:
