@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from catch_arena import interrupts
 from catch_arena.cli.app import EXIT_NO, Commands, Program, main
 from catch_arena.cli.bus import (
     CLOSEST_FIRST,
@@ -158,7 +157,7 @@ def controller(
     nearest, and false selects first.
     """
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
-    from catch_arena.ros.nodes.rate import Rate
+    from catch_arena.ros.nodes.rate import tick_until_signal
     from catch_arena.tournament.isolation.sandbox import sandbox_for
     from catch_arena.tournament.players import Players
 
@@ -177,16 +176,8 @@ def controller(
         bus.joined("turtle_controller") as joined,
     ):
         node = Controller(joined, players, config, turtle, joined.interfaces(bus.types), service=service, log=echo)
-        rate = Rate(PERIOD_S)
-
-        def drive() -> None:
-            while True:
-                rate.sleep()
-                joined.spin()
-                node.tick()
-
         try:
-            interrupts.run_until_signal(drive)
+            tick_until_signal(joined, node.tick, PERIOD_S)
         finally:
             node.stop()
 
@@ -207,7 +198,7 @@ def spawner(
     With several turtles, each calls its own service, for example /turtle2/catch_turtle.
     """
     from catch_arena.core.physics import DT
-    from catch_arena.ros.nodes.rate import Rate
+    from catch_arena.ros.nodes.rate import tick_until_signal
     from catch_arena.ros.nodes.spawner import Spawner
 
     turtles = tuple(dict.fromkeys(checked_name("--turtle", name, TURTLE) for name in turtle or (TURTLE,)))
@@ -215,21 +206,8 @@ def spawner(
     checked_name(NAME_PREFIX, config.name_prefix, "target_turtle_")
     with bus.joined("turtle_spawner") as joined:
         node = Spawner(joined, turtles, joined.interfaces(bus.types), config, seed=arena_seed(None), log=echo)
-        rate = Rate(DT)
-
-        def judge() -> None:
-            if not node.ready:
-                echo("waiting for turtlesim: /spawn and /kill")
-            while not node.ready:
-                rate.sleep()
-                joined.spin()
-            node.begin()
-            while True:
-                rate.sleep()
-                joined.spin()
-                node.tick()
-
-        interrupts.run_until_signal(judge)
+        echo("waiting for turtlesim: /spawn and /kill")
+        tick_until_signal(joined, node.tick, DT)
 
 
 @ros.command()

@@ -33,7 +33,6 @@ class Node:
         config = scenario("capstone").replace(spawn_frequency_hz=1.0, name_prefix="t_")
         self.bus = hub.bus("ours")
         self.spawner = Spawner(self.bus, ("turtle1",), TYPES, config, seed=1, log=self.log_lines.append)
-        self.spawner.begin()
 
     def play(self, ticks):
         for _ in range(ticks):

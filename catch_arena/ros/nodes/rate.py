@@ -1,7 +1,11 @@
 """Steps at an even rate, by the wall clock, as `rclpy.Rate` makes them."""
 
 import time
+from collections.abc import Callable
 from typing import Final
+
+from catch_arena import interrupts
+from catch_arena.ros.middleware.bus import Bus
 
 LATE_S: Final = 0.005
 """Delay [s] above which a tick counts as late."""
@@ -37,3 +41,16 @@ class Rate:
         self.latest_s = max(self.latest_s, delay_s)
         if delay_s > _SKIPPED_DELAY_S:
             self._due = time.perf_counter()
+
+
+def tick_until_signal(bus: Bus, tick: Callable[[], object], period_s: float) -> None:
+    """Run a node until Ctrl-C: handle its messages and tick, in each period [s]."""
+    rate = Rate(period_s)
+
+    def tick_forever() -> None:
+        while True:
+            rate.sleep()
+            bus.spin()
+            tick()
+
+    interrupts.run_until_signal(tick_forever)

@@ -54,6 +54,7 @@ class Spawner:
         self._period = max(1, round(config.spawn_period_ms / 1000.0 / DT))
         """Period of the spawn timer [ticks]."""
         self._seed, self._places = seed, Random(seed)
+        self._has_begun = False
         self._ticks = self._fired = 0
         """The current tick, and the tick of the timer's last firing."""
         self._number = 0
@@ -72,25 +73,12 @@ class Spawner:
         for turtle in turtles:
             bus.subscribe(pose_of(turtle), interfaces.pose, partial(self._on_pose, turtle))
 
-    @property
-    def ready(self) -> bool:
-        """True if there is a turtlesim."""
-        return self._spawn.ready() and self._kill.ready()
-
-    def begin(self) -> None:
-        """Start to answer catch requests, unless another node does."""
-        if self._bus.backend != "rosbridge" and self._referee.ready():  # rosbridge does not report services
-            self._log(f"another node serves {CATCH_TURTLE}: this node only spawns targets")
-            return
-        self._publish = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
-        services = [(catch_turtle_of(turtle), seat) for seat, turtle in enumerate(self._turtles)]
-        if len(self._turtles) == 1:
-            services.append((CATCH_TURTLE, 0))
-        for service, seat in services:
-            self._bus.serve(service, self._interfaces.catch_turtle, partial(self._on_catch_turtle, seat))
-
     def tick(self) -> None:
-        """Play 16 ms: judge the requests since the last tick together (R5.1)."""
+        """Play 16 ms, once there is a turtlesim: judge the requests since the last tick together (R5.1)."""
+        if not self._has_begun:
+            if not (self._spawn.ready() and self._kill.ready()):
+                return
+            self._begin()
         self._ticks += 1
         self._read_spawned()
         if self._ticks >= self._fired + self._period and self._spawning is None:
@@ -101,6 +89,19 @@ class Spawner:
             self._judge()
         if self._ticks % _SECOND == 0:
             self._publish_alive()
+
+    def _begin(self) -> None:
+        """Start to answer catch requests, unless another node does."""
+        self._has_begun = True
+        if self._bus.backend != "rosbridge" and self._referee.ready():  # rosbridge does not report services
+            self._log(f"another node serves {CATCH_TURTLE}: this node only spawns targets")
+            return
+        self._publish = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
+        services = [(catch_turtle_of(turtle), seat) for seat, turtle in enumerate(self._turtles)]
+        if len(self._turtles) == 1:
+            services.append((CATCH_TURTLE, 0))
+        for service, seat in services:
+            self._bus.serve(service, self._interfaces.catch_turtle, partial(self._on_catch_turtle, seat))
 
     def _on_pose(self, turtle: str, pose: Pose) -> None:
         if all(map(math.isfinite, pose)):
