@@ -95,7 +95,7 @@ def yes(*, requests: Any, **_: Any) -> list[Any]:
     ],
 )
 def test_a_students_arbiter_is_told_its_mistakes_on_one_page(student, named, evidence):
-    """Each failure stands in one diagnosis; the first diagnoses have a case in full, and the next the name of one."""
+    """Each failure stands in one diagnosis; the first diagnoses have a case in full."""
     report = run_conformance(student, evidence=evidence)
     found = counts(report)
     assert named in found, str(report)
