@@ -17,7 +17,7 @@ from catch_arena import interrupts
 from catch_arena.classroom.grading import Graded
 from catch_arena.classroom.submissions import Submission
 from catch_arena.errors import BusError, ConfigError
-from catch_arena.ros.node_tests.grading import grade_node
+from catch_arena.ros.node_tests.cases import grade_node
 from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 from catch_arena.text import last_lines, one_line, printable_lines
 from catch_arena.tournament.execution.executors import ProcessExecutor, Worker

@@ -18,7 +18,7 @@ from catch_arena.cli.progress import noting_kept_results, progress_bar
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 from catch_arena.files import prepare_folder, write_whole
-from catch_arena.ros.node_tests.grading import cases_of
+from catch_arena.ros.node_tests.cases import cases_of
 from catch_arena.tournament.execution.executors import Executor, Worker, local_executor, usable_cores
 from catch_arena.tournament.grading import enter_opponents
 from catch_arena.tournament.grading_spec import GradingSpec

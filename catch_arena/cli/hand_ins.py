@@ -161,7 +161,7 @@ def _grade_service(
     exercise: "GradingSpec", agent: str, service: NodeUnderTestOptions, seeds: Path | None
 ) -> "tuple[str, None, list[TestGrade]]":
     """Ask the tests' cases of a node, print each grade, and return the node's name, no digest, and the grades."""
-    from catch_arena.ros.node_tests.grading import grade_node
+    from catch_arena.ros.node_tests.cases import grade_node
 
     if seeds is not None:
         raise ConfigError("--seeds must be left out with a service: conformance cases have no seeds")

@@ -1,4 +1,4 @@
-"""Conformance cases that can be asked of a service by name, and their run on a node."""
+"""Conformance cases that can be asked of a service by name, their run on a node, and a node's grades by a spec."""
 
 import itertools
 import secrets
@@ -11,14 +11,17 @@ from msgspec.structs import replace
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.adjudicator_calls import NoRuling, describe_request
+from catch_arena.conformance.adjudicator_calls import NoRuling, counted, describe_request
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
 from catch_arena.conformance.comparison import REFUSED, compare
 from catch_arena.conformance.report import Report
 from catch_arena.conformance.results import Failure, Result
-from catch_arena.errors import BusError
+from catch_arena.errors import BusError, ConfigError
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.ros.node_tests.node_under_test import ANSWER_S, NodeUnderTest, Place
+from catch_arena.testing import select_cases
+from catch_arena.tournament.grading import TestGrade
+from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 from catch_arena.verdicts import Ruling, Verdict
 
 _SETTLE_S: Final = (0.15, 1.0)
@@ -57,6 +60,38 @@ def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -
         BusError: if no node answers over this bus.
     """
     return Report(tuple(_result(node, case) for case in cases), "success")
+
+
+def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[TestGrade]:
+    """Yield a node's grades in the tests of a spec, one after the other. A request without an answer fails its case.
+
+    Raises:
+        ConfigError: for a test without cases that can be asked of a service, before the first request.
+        BusError: if no node serves the service.
+    """
+    tests = [(test, cases_of(test)) for test in spec.tests]
+    node.wait_for_node()
+    for test, cases in tests:
+        yield _grade(test, run_on_node(node, cases))
+
+
+def cases_of(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
+    """Return the cases of a test that can be asked of a service.
+
+    Raises:
+        ConfigError: if there are none.
+    """
+    if not test.cases:
+        raise ConfigError(f'{test.name}: cases must be given for a node, as in cases = ["reach", "names"]')
+    try:
+        found = [case for case in select_cases(test.cases) if fits_a_service(case)]
+    except ConfigError as error:
+        raise ConfigError(f"{test.name}: {error}") from None
+    if not found:
+        raise ConfigError(
+            f"{test.name}: none of its cases can be asked of a service, which has one hunter and names only"
+        )
+    return found
 
 
 def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
@@ -168,3 +203,29 @@ def _can_be_sent(name: object) -> bool:
 def _float32(place: Place) -> Place:
     x, y = (float(np.float32(number)) for number in place)
     return x, y
+
+
+def _grade(test: GradingTest, report: Report) -> TestGrade:
+    """Return a grade; its failures have one line for each set of clauses of failed cases.
+
+    Raises:
+        ConfigError: if no case was played.
+    """
+    played = sum(result.played for result in report.results)
+    if not played:
+        raise ConfigError(f"{test.name}: none of its cases can be asked of a node that publishes the list itself")
+    by_clauses: dict[str, list[str]] = {}
+    for failure in report.failures:
+        by_clauses.setdefault(", ".join(failure.case.clauses), []).append(failure.case.id)
+    passed = played - len(report.failures)
+    return TestGrade(
+        test=test.name,
+        points=0.0 if report.failures else test.points,
+        possible=test.points,
+        figures={"cases": played, "passed": passed},
+        measured=f"{passed} of {counted(played, 'case')}",
+        failures=tuple(
+            f"{clauses}: {counted(len(ids), 'case')}: {', '.join(ids)}" for clauses, ids in by_clauses.items()
+        ),
+        hints=tuple(f"it looks like «{one.looks_like}». {one.rule}" for one in report.diagnoses),
+    )
