@@ -4,6 +4,7 @@ Times are milliseconds since the bag's first message.
 """
 
 import math
+import os
 import re
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -168,13 +169,10 @@ def _opened(path: Path) -> Iterator[Reader]:
             yield bag
     except ReplayError:
         raise
-    except FileNotFoundError as error:
-        fault = "no such file" if not path.exists() else "is not a bag: it has no metadata.yaml"
-        raise ReplayError(f"{path}: {fault}") from error
-    except OSError as error:
-        raise ReplayError(f"{path}: cannot be read: {reason(error)}") from error
     except Exception as error:
-        raise ReplayError(f"{path}: is not a bag, or is damaged: {one_line(reason(error))}") from error
+        there = os.path.exists(path)  # noqa: PTH110 - Path.exists raises an error for a folder without permission
+        fault = f"cannot be read as a bag: {one_line(reason(error))}" if there else "no such file"
+        raise ReplayError(f"{path}: {fault}") from error
 
 
 def _handlers(

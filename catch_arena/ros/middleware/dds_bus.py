@@ -119,8 +119,6 @@ class DdsBus(Bus):
         def call(request: Any) -> Future[Any]:
             number, answer = next(numbers), Future[Any]()
             calls[number] = answer
-            if len(calls) > SERVICE_DEPTH:  # the oldest call is given up
-                del calls[next(iter(calls))]
             self._write(writer, to_sample(kind.request, request, client=own, number=number))
             return answer
 
