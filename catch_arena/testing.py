@@ -11,9 +11,8 @@ from catch_arena.conformance.arbiter_runner import Arbiter, ArbiterRunner, with_
 from catch_arena.conformance.arena_runner import ArenaRunner, ArenaUnderTest, fits_into_an_arena
 from catch_arena.conformance.cases import ArbiterCase, ArenaCase, load_cases
 from catch_arena.conformance.comparison import Compared
-from catch_arena.conformance.diagnosis import Diagnosis
 from catch_arena.conformance.report import Report
-from catch_arena.conformance.results import Failure, Result
+from catch_arena.conformance.results import Diagnosis, Failure, Result
 from catch_arena.errors import ConfigError, suggest
 
 __all__ = ["Arbiter", "ArenaUnderTest", "Diagnosis", "Failure", "Report", "Result", "run_conformance", "select_cases"]

@@ -8,8 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from catch_arena.conformance.adjudicator_calls import counted
 from catch_arena.conformance.comparison import Compared
-from catch_arena.conformance.diagnosis import Diagnosis, diagnose
-from catch_arena.conformance.results import Failure, Result, wrapped
+from catch_arena.conformance.results import Diagnosis, Failure, Result, diagnose, wrapped
 from catch_arena.text import printable, printable_lines
 
 _MOST_LINES: Final = 48

@@ -10,7 +10,7 @@ from conformance.wrong_arbiters import KNOWN, PlainArbiter
 
 from catch_arena.conformance.adjudicator_calls import KINDS
 from catch_arena.conformance.cases import ArbiterCase, load_cases
-from catch_arena.conformance.diagnosis import known_mistakes
+from catch_arena.conformance.results import known_mistakes
 from catch_arena.testing import Report, run_conformance
 
 MISTAKES = {one.looks_like: one for one in known_mistakes()}
