@@ -144,6 +144,8 @@ def load_network(
             if (found := tables.pop(name).item()) != value:
                 raise ConfigError(f"{name} must be {value}, got {found}; train the network again")
         return make(tables)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: {error}") from None
     except Exception as error:  # noqa: BLE001 - zipfile, zlib and NumPy raise errors of any type for a damaged file
         raise ConfigError(f"{path}: cannot load a file from {written_by}: {reason(error)}") from None
 

@@ -135,8 +135,7 @@ def test_what_is_no_run_or_of_another_ruleset_is_one_line(tmp_path, monkeypatch,
     file = run / "snapshots" / "prey_2.npz"
     with np.load(file) as tables:
         np.savez(file, **{**tables, "ruleset": "catch_arena_v0"})
-    reason = f"ConfigError: ruleset must be {RULESET}, got catch_arena_v0; train the network again"
-    wrong = f"{file}: cannot load a file from Mlp.save: {reason}"
+    wrong = f"{file}: ruleset must be {RULESET}, got catch_arena_v0; train the network again"
     monkeypatch.setattr("sys.argv", ["ladder.py", str(run), "--out", str(tmp_path / "out")])
     assert LADDER["main"]() == 2
     assert capsys.readouterr().err == f"ladder: {wrong}\n"

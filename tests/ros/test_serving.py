@@ -127,3 +127,12 @@ def test_teams_are_ranked_as_teams(capsys):
         "  1    7  bob (hunter_1) 4 + cat (hunter_2) 3",
         "  2    5  ann (hunter_0) 5 + dan (hunter_3) 0",
     ]
+
+
+def test_ctrl_c_while_the_replay_is_saved_ends_the_command(tmp_path, monkeypatch):
+    def interrupted(_replay, _path):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(Replay, "save", interrupted)
+    with pytest.raises(KeyboardInterrupt):
+        served(scenario("duel", time_limit_s=1), tmp_path / "match.replay")

@@ -30,7 +30,7 @@
  * @property {string} clause
  * @property {Claim[]} claims
  * @property {string} sentence
- * @property {Lens | null} lens null among team-mates, and if no distances were measured
+ * @property {Lens | null} lens null among team-mates, if no distances were measured, and if the kill failed
  */
 
 /**

@@ -160,12 +160,13 @@ class RulingMessage(NamedTuple):
             time_ms: beginning of the step in which it was judged [ms].
             hunters: their names, by seat.
         """
-        target = "" if ruling.target is None else str(ruling.target)[:_LONGEST_TARGET]
+        target = "" if ruling.target is None else str(ruling.target)
         return cls(
             time=time_ms / 1000.0,
             step=ruling.step,
             hunter=hunters[ruling.hunter],
-            target=target.encode(errors="backslashreplace").decode(),  # half of a surrogate pair is no UTF-8
+            # half of a surrogate pair is no UTF-8
+            target=target.encode(errors="backslashreplace").decode()[:_LONGEST_TARGET],
             verdict=ruling.verdict.name,
             success=ruling.success,
             distance=-1.0 if ruling.distance_um is None else ruling.distance_um / 1e6,

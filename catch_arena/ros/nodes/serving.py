@@ -124,17 +124,17 @@ def serve_match(
 
         def end() -> None:
             last = Rate(period_s)
-            try:
-                for _ in range(0 if early else _LAST_TICKS):
-                    last.sleep()
-                    node.tick()
-            finally:
-                if record is not None:  # last, since saving takes as long as many ticks
-                    if left_out := service.requests_left_out:
-                        log(f"the replay is without {left_out} refused requests: there were too many to keep")
-                    service.replay.save(record)
+            for _ in range(0 if early else _LAST_TICKS):
+                last.sleep()
+                node.tick()
 
-        interrupts.run_until_signal(end)
+        try:
+            interrupts.run_until_signal(end)
+        finally:
+            if record is not None:  # last, since saving takes as long as many ticks
+                if left_out := service.requests_left_out:
+                    log(f"the replay is without {left_out} refused requests: there were too many to keep")
+                service.replay.save(record)
     return Served(tuple(names), ranks, scores, rate, node.remarks())
 
 
