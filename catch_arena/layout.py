@@ -7,7 +7,6 @@ description. The core makes tuples of these fields.
 
 import math
 from collections.abc import Callable, Iterator
-from functools import lru_cache
 from itertools import chain
 from typing import Annotated, Any, Final, NamedTuple
 
@@ -256,7 +255,6 @@ def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[
     return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
 
 
-@lru_cache(maxsize=16)  # a tournament makes an env for each match
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
     require_type("config", config, ArenaConfig, "scenario(name)")
@@ -267,7 +265,6 @@ def columns(config: ArenaConfig) -> tuple[Column, ...]:
     )
 
 
-@lru_cache(maxsize=16)
 def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R12.4: return the columns of prey's observation in order; () if there is no prey."""
     require_type("config", config, ArenaConfig, "scenario(name)")
@@ -298,7 +295,6 @@ STATE_PREY_COLUMNS: Final = ("alive", *_STATE_BODY, "times_caught", "withdrawn")
 """R7.3: columns of the global state for each prey, by index."""
 
 
-@lru_cache(maxsize=16)
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R7.3: return the columns of the global state, in the world frame."""
     require_type("config", config, ArenaConfig, "scenario(name)")

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
 from inspect import Parameter, Signature, signature
+from pathlib import Path
 from typing import Annotated, Any, Final, NoReturn, TypeVar, cast
 
 import typer
@@ -120,6 +121,8 @@ def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
             single.append(parameter.replace(kind=Parameter.KEYWORD_ONLY))
 
     def run(**given: Any) -> Any:
+        # bash does not expand the tilde of --out=~/x
+        given = {name: value.expanduser() if isinstance(value, Path) else value for name, value in given.items()}
         for name, kind in shared.items():
             given[name] = kind(**{field.name: given.pop(field.name) for field in fields(kind)})
         return command(**given)

@@ -24,7 +24,7 @@ from catch_arena.cli.options import ArenaSeed, SettingOption, Trust, arena, ente
 from catch_arena.cli.outputs import REPLAY, Force, reserve_file
 from catch_arena.cli.terminal import echo
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import ConfigError
+from catch_arena.errors import AgentError, ConfigError
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.seeding import arena_seed
@@ -102,7 +102,10 @@ def serve(
     agents = {number: driver for number, driver in sorted(seats.items()) if not _is_node(driver)}
     quotas = trust.quotas()
     reserve_file(record, REPLAY, force=force)
-    entrants = dict(zip(agents, enter_agents(list(agents.values()), quotas), strict=True)) if agents else {}
+    try:
+        entrants = dict(zip(agents, enter_agents(list(agents.values()), quotas), strict=True)) if agents else {}
+    except AgentError as error:
+        raise AgentError(f"--seat: {error}; `ros` stands for a node, and `human` for a person") from None
     if scenario is None:
         echo(f"scenario: {EXERCISE}: a target is caught from less than {config.reaches[0]:g} m away (-s: another one)")
     names = [

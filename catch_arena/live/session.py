@@ -15,7 +15,7 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.match import MatchResult
-from catch_arena.tournament.match_loop import in_parties, play_match
+from catch_arena.tournament.match_loop import in_seats, play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Players
 
@@ -59,9 +59,9 @@ def show_match(
     parties, person = Parties.of(config), HumanPolicy()
     stand_in = next(iter(entrants.values()))  # for a party that is the person alone
     agents = [entrants.get(party, stand_in) for party in range(len(parties))]
-    playing = in_parties(config, agents)
-    seated: list[Entrant | Policy] = [playing[party] for party in parties.by_seat]
-    names = [playing[party].name for party in parties.by_seat]
+    playing = in_seats(config, agents)
+    seated: list[Entrant | Policy] = [*playing]
+    names = [one.name for one in playing]
     if seat is not None:
         seated[seat], names[seat] = person, "you"
     info = MatchInfo.of(config, names, title)

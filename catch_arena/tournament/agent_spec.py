@@ -148,12 +148,12 @@ def unique_names(found: Sequence[AgentSpec]) -> list[str]:
 
 def content_of(source: str) -> bytes | None:
     """Return the content of a file that an agent names as its own; None if it is no regular file or unreadable."""
-    if not Path(source).is_file():  # to open a pipe without a writer would block
-        return None
     try:
+        if not Path(source).is_file():  # to open a pipe without a writer would block
+            return None
         with Path(source).open("rb") as file:
             return file.read(_LARGEST_SOURCE)
-    except OSError:
+    except (OSError, ValueError):
         return None
 
 

@@ -206,7 +206,8 @@ def _why_not_imported(error: BaseException, module: str, folder: Path | None = N
     if missing is None:
         return f"importing it raised {reason(error)}"
     if module == missing or module.startswith(f"{missing}."):
-        return f"no module {missing} is installed; a file is given with its ending, as {missing}.py"
+        file = Path(*module.split(".")).with_suffix(".py")
+        return f"no module {missing} is installed" + (f"; a file is given with its ending, as {file}" * file.is_file())
     top = missing.partition(".")[0]
     own = "" if folder is None else f"; if {top} is a file of yours, give a folder with {IN_FOLDER} and {top}.py"
     return f"it imports {missing}, {NOT_INSTALLED}{own}"

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
 from types import MappingProxyType
@@ -58,8 +58,7 @@ def play_entrants(
         MatchFailedError: for a match that failed on our side.
     """
     parties = Parties.of(config)
-    playing = in_parties(config, entrants)
-    seated = [playing[party] for party in parties.by_seat]
+    seated = in_seats(config, entrants)
     absent = {seat: absent[party] for seat, party in enumerate(parties.by_seat) if party in absent}
     seeds = []
     if agent_seeds:  # those of a party's further instances follow from the party's
@@ -138,6 +137,14 @@ def in_parties(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant
     """Return the player of each party: its entrant, or the entrant that plays prey for it."""
     parties = Parties.of(config)
     return [entrant.on(parties.side_of(party)) for party, entrant in enumerate(entrants)]
+
+
+def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
+    """Return the player of each seat; only the first seat of a party has the log of a player that cannot begin."""
+    playing = in_parties(config, entrants)
+    return [
+        replace(playing[party], log="") if number else playing[party] for party, number in Parties.of(config).places
+    ]
 
 
 @dataclass(slots=True, eq=False)

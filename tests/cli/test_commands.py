@@ -87,6 +87,8 @@ def test_what_an_agent_printed_that_could_not_begin_is_shown_and_kept(catch_aren
     assert shown.exit_code == 0, shown.output
     assert 'exited with code 7; its last line: "last line"' in shown.stdout
     assert shown.stderr.endswith("quits printed:\nhello\nlast line\n")
+    team = catch_arena("match", "quits.py", "idle", "--scenario", "pairs", "--set", "time_limit_s=1", "-o", "t.replay")
+    assert team.stderr.count("hello\nlast line\n") == 1
     catch_arena("tournament", "quits.py", "idle", *QUICK, "--rounds", "1", "--jobs", "1", "--out", "o")
     logged = (tmp_path / "o/logs/quits.log").read_text()
     assert logged.count("\nhello\nlast line\n") == 2

@@ -130,6 +130,14 @@ def test_an_export_has_the_format_that_its_name_says(played, words, start):
     assert Path(words[1]).read_bytes().startswith(start)
 
 
+def test_the_tilde_of_an_option_with_an_equals_sign_is_the_home_folder(tmp_path, monkeypatch):
+    """The shell leaves it as it is."""
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    (tmp_path / "home").mkdir()
+    assert run("match", "nearest", "idle", *QUICK, "--output=~/m.replay").exit_code == 0
+    assert (tmp_path / "home" / "m.replay").stat().st_size > 0
+
+
 def test_an_export_whose_name_and_format_contradict_is_refused(played):
     refused = run("export", str(played / "o"), "-o", "hh.csv", "--format", "jsonl")
     assert refused.exit_code == 2

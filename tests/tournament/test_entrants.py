@@ -141,8 +141,9 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
         ("latin.py", r"/latin\.py: is not UTF-8: save it as UTF-8$"),
         (
             "helpers:Agent",
-            r"^helpers: no module helpers is installed; a file is given with its ending, as h",
+            r"^helpers: no module helpers is installed; a file is given with its ending, as helpers\.py$",
         ),
+        ("helpers.mine:Agent", r"^helpers\.mine: no module helpers is installed$"),
     ],
 )
 def test_a_word_that_stands_for_nothing_is_explained(tmp_path, monkeypatch, spec, reason):
@@ -182,6 +183,7 @@ def test_a_commands_name_and_digest_come_from_its_file_whatever_it_says(tmp_path
     for name in ("mine.sh", "other/mine.sh"):
         (tmp_path / name).write_text("echo\n")
     mine, same = entered("mine.sh"), entered(f"{tmp_path}/other/mine.sh", str(tmp_path / "mine.sh"))
+    assert entered("mine.sh", "a" * 300, "\0").digest == entered("mine.sh").digest
     with_option = entered("mine.sh --fast")
     (tmp_path / "mine.sh").write_text("echo changed\n")
     changed = entered("mine.sh")

@@ -17,6 +17,8 @@ from catch_arena.tournament.match import Block, Fault, PlayedMatch
 
 _MOST_TRIES: Final = 3
 """Number of tries of a block that fails on our side."""
+_MOST_HELD: Final = 256
+"""Largest number of played blocks that wait in memory for an earlier block."""
 _PAUSE_S: Final = 1.0
 """Pause before failed blocks are begun again [s]."""
 
@@ -114,7 +116,11 @@ def play_blocks(
     waiting = iter(blocks)
     block = next(waiting, None)
     while block is not None or queue:
-        while block is not None and sum(one.matches is None for one in queue) < executor.max_pending:
+        while (
+            block is not None
+            and sum(one.matches is None for one in queue) < executor.max_pending
+            and len(queue) < executor.max_pending + _MOST_HELD
+        ):
             queue.append(one := _QueuedBlock(block))
             begin(one)
             block = next(waiting, None)

@@ -163,3 +163,27 @@ def test_who_is_out_is_not_started_and_the_others_play_on(tmp_path, jobs):
     assert str(result.forfeits[seat]) == "FORFEIT_OUT before the first step: it had forfeited 3 matches in a row"
     assert result.ranks[seat] == 2
     assert (result.steps, result.thinking[1 - seat].moves) == (60, 60)
+
+
+def test_a_slow_block_holds_the_rest_back_before_they_fill_the_memory():
+    """While one block lasts, at most 256 later ones are played and held."""
+    most: list[int] = []
+    field, begun = Field([0.0] * SEATS, 1), []
+    blocks = [(Match(str(number), number, 1, (0, 1, 2)),) for number in range(400)]
+
+    class OneIsSlow(Shuffled):
+        def submit(self, block, out):
+            begun.append(block)
+            return super().submit(block, out)
+
+        def wait(self, futures, return_when):
+            first, *others = futures
+            if others:
+                return super().wait(others, return_when)
+            most.append(len(begun))
+            return super().wait([first], return_when)
+
+    executor = OneIsSlow(field, 2, 1, loses=0.0)
+    with executor.in_charge():
+        block_queue.play_blocks(blocks, executor, ForfeitStreaks(0), lambda _: None)
+    assert most[0] == 2 + 256
