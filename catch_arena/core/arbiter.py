@@ -66,13 +66,23 @@ def within_reach(distance_um: float, reach_um: float) -> bool:
 
 @rule
 def first_failed_test(
-    target: int, distance_um: float, reach_um: float, inactive: bool, duplicate: bool, over: bool, service_up: bool
+    policy: int,
+    target: int,
+    distance_um: float,
+    reach_um: float,
+    inactive: bool,
+    duplicate: bool,
+    over: bool,
+    service_up: bool,
 ) -> int:
     """R5.2: return the first test that a request fails regardless of other requests, or ELIGIBLE if it fails none.
+
+    R9.1: the policy CAPSTONE is the original's service, which grants every request that it can answer at all.
 
     `controllers.look_up_choices` finds ranks without a target; `judge` finds duplicates.
 
     Args:
+        policy: NEAREST, FIRST_COME or CAPSTONE.
         target: the requested slot or number, or a code: MALFORMED_REQUEST, NEVER_SPAWNED, ALREADY_GONE.
         distance_um: distance to the target [micrometres].
         reach_um: reach of the hunter [micrometres].
@@ -87,6 +97,8 @@ def first_failed_test(
         return Verdict.MALFORMED
     if inactive:
         return Verdict.HUNTER_INACTIVE
+    if policy == CAPSTONE:
+        return Verdict.GRANTED if service_up else Verdict.SERVICE_DOWN
     if duplicate:
         return Verdict.DUPLICATE
     if target == rows.NEVER_SPAWNED:
@@ -96,18 +108,6 @@ def first_failed_test(
     if not service_up:
         return Verdict.SERVICE_DOWN
     return ELIGIBLE if within_reach(distance_um, reach_um) else Verdict.OUT_OF_REACH
-
-
-@rule
-def capstone_verdict(target: int, inactive: bool, over: bool, service_up: bool) -> int:
-    """R9.1: return the verdict of the original's service, which grants every request that it can answer at all."""
-    if over:
-        return Verdict.MATCH_OVER
-    if target == rows.MALFORMED_REQUEST:
-        return Verdict.MALFORMED
-    if inactive:
-        return Verdict.HUNTER_INACTIVE
-    return Verdict.GRANTED if service_up else Verdict.SERVICE_DOWN
 
 
 @rule
@@ -169,18 +169,16 @@ def judge(
         for j in range(i):
             duplicate = duplicate or requests[j, REQUEST_SEAT] == requests[i, REQUEST_SEAT]
         inactive = requests[i, REQUEST_INACTIVE] != 0
-        if policy == CAPSTONE:
-            verdict = capstone_verdict(requests[i, REQUEST_TARGET], inactive, over, service_up)
-        else:
-            verdict = first_failed_test(
-                requests[i, REQUEST_TARGET],
-                requests[i, REQUEST_DISTANCE],
-                requests[i, REQUEST_REACH],
-                inactive,
-                duplicate,
-                over,
-                service_up,
-            )
+        verdict = first_failed_test(
+            policy,
+            requests[i, REQUEST_TARGET],
+            requests[i, REQUEST_DISTANCE],
+            requests[i, REQUEST_REACH],
+            inactive,
+            duplicate,
+            over,
+            service_up,
+        )
         requests[i, REQUEST_VERDICT] = verdict
         requests[i, REQUEST_WINNER] = requests[i, REQUEST_SEAT] if verdict == Verdict.GRANTED else rows.NO_SEAT
         if verdict not in _REACH_TESTED:
