@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Any, Final
 
 from catch_arena.config import ArbitrationPolicy
@@ -162,7 +161,7 @@ def explain(
     hunters = [_HunterRecord(replay, seat, name) for seat, name in enumerate(names)]
     prey = [_PreyRecord(index, name) for index, name in enumerate(prey_labels(replay))]
     scores = (0,) * len(names)
-    for before, after in pairwise(replay.worlds()):
+    for before, after, by_name in replay.judged_steps():
         found = contests_of(replay, after)
         granted = [ruling for ruling in after.rulings if ruling.success]
         contests += found
@@ -177,7 +176,7 @@ def explain(
             prey_record.note(before, after)
         for ruling in after.rulings:
             hunters[ruling.hunter].add_request(ruling, before.time_ms, by_name=False)
-        for ruling in replay.named_rulings(before, after):
+        for ruling in by_name:
             hunters[ruling.hunter].add_request(ruling, before.time_ms, by_name=True)
         scores = tuple(state.score for state in after.hunters)
         if progress is not None:

@@ -294,7 +294,7 @@ class _Search:
         played, engine = old.copy(), Engine(old.config)
         for recorded in (played.choices, played.commands, played.prey_commands):
             del recorded[begin:]
-        del played.digests[begin + 1 :], played.states[begin + 1 :]
+        del played.digests[begin + 1 :]
         for choices, commands, won in self._play(engine, [change]):
             played.append(choices[0], commands[0], engine)
             if won:

@@ -1,8 +1,8 @@
 """Replays: matches that are recorded, saved, loaded, played again, checked and compared (docs/reference/replays.md).
 
 - recording: `Replay`, a recorded match, and `Recorder` of the episodes of an arena.
-- fileformat: the file of a replay, with states (numbers in whole millionths) and codec
-  (columns of whole numbers as bytes). named_requests: requests by name, which are judged again.
+- fileformat: the file of a replay, with codec (columns of whole numbers as bytes).
+  named_requests: requests by name, which are judged again.
 - verification: checks if a match plays as recorded. comparison: the first differences of two matches.
   motion: poses between two states.
 """

@@ -1,20 +1,20 @@
 """Comparison of two replays: the first differences."""
 
-from collections.abc import Sequence
+from collections import deque
+from collections.abc import Mapping
+from itertools import islice
 from typing import Any, Final
 
-import numpy as np
-
 from catch_arena.config import ArenaConfig
-from catch_arena.replay.recording import Replay
-from catch_arena.replay.states import MICRO, QuantisedState, parts_of, scores, tables_of
+from catch_arena.replay.recording import Replay, state_name
+from catch_arena.world import HunterState, PreyState, TargetState, World
 
 _MOST_LINES: Final = 12
 
 
 def replay_differences(first: Replay, second: Replay) -> list[str]:
     """Return a line for each difference of two replays: of headers, first actions, first state with its numbers, and
-    scores; [] for equal replays. The recorded data are compared; `verification.verify` checks them.
+    scores; [] for equal replays. `verification.verify` checks that each plays as recorded.
     """
     headers = _header(first), _header(second)
     found = []
@@ -26,14 +26,16 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
         if getattr(first.config, kind) != getattr(second.config, kind):
             return [*found, f"with different {kind}, actions and states cannot be compared"]
     found += _first_actions(first, second)
-    found += first_states(first, second, ("in A", "in B"))
+    found += _first_states(first, second)
     if first.steps != second.steps:
         found.append(f"steps: {first.steps} in A; {second.steps} in B")
     if found:
-        results = (scores(match.states[-1], match.config) for match in (first, second))
-        for kind, one, other in zip(("scores of the hunters", "catches of each prey"), *results, strict=True):
-            if one:
-                found.append(f"final {kind}: {', '.join(map(str, one))} in A; {', '.join(map(str, other))} in B")
+        one, other = (deque(match.engines(), maxlen=1)[0].world() for match in (first, second))
+        of_hunters = ([hunter.score for hunter in world.hunters] for world in (one, other))
+        of_prey = ([prey.times_caught for prey in world.prey] for world in (one, other))
+        for kind, (here, there) in (("scores of the hunters", of_hunters), ("catches of each prey", of_prey)):
+            if here:
+                found.append(f"final {kind}: {', '.join(map(str, here))} in A; {', '.join(map(str, there))} in B")
     return found
 
 
@@ -84,91 +86,37 @@ def _action(replay: Replay, step: int, agent: int) -> str:
     return replay.action(step, agent) + (f" ({named})" if named else "")
 
 
-def first_states(first: Replay, second: Replay, labels: tuple[str, str]) -> list[str]:
-    """Return a line that names the first states that differ, and lines with their numbers; [] if all states agree.
-
-    Args:
-        first: the first match.
-        second: the second match, with as many hunters and prey.
-        labels: the names of the two matches in the lines.
+def _first_states(first: Replay, second: Replay) -> list[str]:
+    """Return a line that names the first states that differ, and lines with their numbers, for which both matches are
+    played again up to there; [] if all digests agree.
     """
-    recorded = zip(first.digests, second.digests, first.states, second.states, strict=False)
-    differ = [
-        step
-        for step, (*digests, one, other) in enumerate(recorded)
-        if digests[0] != digests[1] or not np.array_equal(one, other)
-    ]
-    if not differ:
+    digests = zip(first.digests, second.digests, strict=False)
+    step = next((step for step, (one, other) in enumerate(digests) if one != other), None)
+    if step is None:
         return []
-    step, last = differ[0], differ[-1]
-    ends = last + 1 == min(len(first.states), len(second.states))
-    again = "" if ends else f"; from {state_name(last + 1)} on they agree"
-    if first.digests[step] == second.digests[step]:
-        again = f", although their digests agree{again}"
     agents = zip(first.config.hunter_names + first.config.prey_names, first.names, second.names, strict=True)
-    names = [name if name == twin else agent for agent, name, twin in agents]
-    lines = _state_differences(first.config, names, first.states[step], second.states[step], labels)
-    return [f"the states first differ in {state_name(step)}{again}", *(f"{state_name(step)}: {line}" for line in lines)]
-
-
-def state_name(step: int) -> str:
-    """Return the name of the state after `step` steps."""
-    return "the initial state" if step == 0 else f"step {step}"
-
-
-def _state_differences(
-    config: ArenaConfig,
-    names: Sequence[str],
-    first: QuantisedState,
-    second: QuantisedState,
-    labels: tuple[str, str],
-) -> list[str]:
-    """Return a line for each of the first numbers in which two states differ, and the number of further ones.
-
-    There is at least one line, because digests can differ although all quantised numbers agree.
-
-    Args:
-        config: the arena's settings.
-        names: the agents' names, of the hunters by seat and then of the prey by index.
-        first: the first state.
-        second: the second state.
-        labels: the names of the states in the lines.
-    """
+    labels = {agent: f"{agent} ({name})" for agent, name, twin in agents if agent != name == twin}
+    worlds = (next(islice(match.engines(), step, None)).world() for match in (first, second))
+    here, there = (_bodies(world, labels) for world in worlds)
     found = []
-    parts = zip(tables_of(config), _by_body(config, names, first), _by_body(config, names, second), strict=True)
-    for quantities, here, there in parts:
-        for body in here | there:
-            if body not in here or body not in there:
-                alive, gone = labels if body in here else labels[::-1]
-                found.append(f"{body}: alive {alive}, not {gone}")
-                continue
-            for (quantity, unit), *values in zip(quantities.items(), here[body], there[body], strict=True):
-                if values[0] != values[1]:
-                    one, other = (_shown(config, unit, value) for value in values)
-                    found.append(f"{body}: {quantity} is {one} {labels[0]} and {other} {labels[1]}")
+    for body in here | there:
+        if body not in here or body not in there:
+            found.append(f"{body}: in {'A' if body in here else 'B'} only")
+            continue
+        for quantity, value in here[body].items():
+            other = there[body][quantity]
+            if value != other:
+                found.append(f"{body}: {quantity} is {value} in A and {other} in B")
+    if not found:
+        found = ["all positions and counts are equal when both are played again"]
     if len(found) > _MOST_LINES:
         found[_MOST_LINES:] = [f"{len(found) - _MOST_LINES} more"]
-    return found or ["every number differs by less than a millionth of its unit"]
+    name = state_name(step)
+    return [f"the states first differ in {name}", *(f"{name}: {line}" for line in found)]
 
 
-def _by_body(config: ArenaConfig, names: Sequence[str], state: QuantisedState) -> tuple[dict[str, list[int]], ...]:
-    """Return the numbers of the arena, of each hunter, of each target and of each prey, by name."""
-    own = config.hunter_names + config.prey_names
-    agents = [name if name == label else f"{name} ({label})" for name, label in zip(own, names, strict=True)]
-    arena, hunters, targets, prey = (part.tolist() for part in parts_of(state, config))
-    return (
-        {"clock and counters": arena[0]},
-        dict(zip(agents[: config.hunters], hunters, strict=True)),
-        {config.target_name(row[0]): row for row in targets},
-        dict(zip(agents[config.hunters :], prey, strict=True)),
-    )
-
-
-def _shown(config: ArenaConfig, unit: str, value: int) -> str:
-    if unit in MICRO:
-        return f"{value / 1e6:.6f} {unit}"
-    if unit == "target":
-        return config.target_name(value) if value else "none"
-    if unit == "flag":
-        return "yes" if value else "no"
-    return f"{value} {unit}".strip()
+def _bodies(world: World, labels: Mapping[str, str]) -> dict[str, dict[str, Any]]:
+    """Return the quantities of the arena and of each hunter, target and prey, by name; `labels` has longer names."""
+    bodies: tuple[HunterState | TargetState | PreyState, ...] = (*world.hunters, *world.targets, *world.prey)
+    found = {labels.get(body.name, body.name): body._asdict() for body in bodies}
+    return {"the arena": {"time_ms": world.time_ms, "spawned": world.spawned}, **found}

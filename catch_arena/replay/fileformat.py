@@ -21,22 +21,22 @@ from catch_arena.plain import plain_setting
 from catch_arena.replay.codec import pack_columns, pack_json, read_columns, read_json
 from catch_arena.replay.named_requests import pack_requests, read_requests
 from catch_arena.replay.recording import Replay
-from catch_arena.replay.states import driven_seats, pack_states, state_length, unpack_states
 from catch_arena.seeding import checked_seed
 
 LARGEST_FILE: Final = 1 << 26
 """Largest length of a file, and of an unpacked body [bytes]."""
 _MAGIC: Final = b"\x89CATCH\r\n"  # as in PNG, it reveals transfers that change line ends or drop a bit
-_FORMAT: Final = 2
-_PREY, _NAMED_REQUESTS = 1, 2
-"""Optional parts of a file; each one that is present raises the format number by its value."""
-_NEWEST: Final = _FORMAT + _PREY + _NAMED_REQUESTS
+_FORMAT: Final = 6
+_OLDEST: Final = 2
+_WITHOUT_NAMED_REQUESTS: Final = (2, 3)
+"""Earlier formats that lack this part. In formats 2 to 5 other bytes follow the digests, which are not read."""
 _PREFIX: Final = struct.Struct("<8sIQ")
 _CHECKSUM_BYTES: Final = 32
 _DIGEST_BYTES: Final = 8
 _LONGEST_HEADER: Final = 1 << 16
 _MOST_NUMBERS: Final = 1 << 23
-_MOST_SPANS: Final = 1 << 20
+_NUMBERS_A_STEP: Final = 8
+"""Numbers of a step that take as much memory as its arrays do besides the actions of its agents."""
 _LONGEST_TEXT: Final = 200
 _LONGEST_REASON: Final = 300
 
@@ -54,8 +54,8 @@ class _Header(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     title: Any
     steps: _Count
     withdrawals: list[tuple[_Count, _Count]]
-    spans: _Count
-    """Number of spans of targets in the states, at least one for each target."""
+    spans: int | msgspec.UnsetType = msgspec.UNSET
+    """Entry of formats 2 to 5; not used."""
     colors: list[_Count] = []
     """Number of each hunter's colour, by seat; empty if colours go by seat."""
 
@@ -70,8 +70,7 @@ def encode_replay(match: Replay) -> bytes:
     choices = np.array(match.choices, dtype=np.int64).reshape(-1, config.hunters)
     commands = np.array(match.commands, dtype=np.float32).reshape(-1, config.hunters, 2)
     prey_commands = np.array(match.prey_commands, dtype=np.float32).reshape(steps, config.prey, 2)
-    states, spans = pack_states(config, commands, prey_commands, match.states)
-    _require_sizes(config, steps, spans)
+    _require_size(config, steps)
     header = _Header(
         RULESET,
         version("catch-arena"),
@@ -81,24 +80,21 @@ def encode_replay(match: Replay) -> bytes:
         match.title,
         steps,
         match.withdrawals,
-        spans,
-        list(match.colors),
+        colors=list(match.colors),
     )
     parts = [
         pack_json(msgspec.to_builtins(header)),
         pack_columns(choices.T),
-        _pack_commands(commands[:, driven_seats(config)]),
+        _pack_commands(commands[:, _driven_seats(config)]),
         _pack_commands(prey_commands),
-        pack_requests(match.named_requests) if match.named_requests else b"",
+        pack_requests(match.named_requests),
         *match.digests,
-        states,
     ]
     body = b"".join(parts)
     if len(parts[0]) > _LONGEST_HEADER or len(body) > LARGEST_FILE:
         raise ReplayError(f"is too long for a file: {len(body)} bytes, of which {len(parts[0])} are its header")
     shrunk = zlib.compress(body, 9)
-    form = _FORMAT + _PREY * bool(config.prey) + _NAMED_REQUESTS * bool(match.named_requests)
-    content = _PREFIX.pack(_MAGIC, form, len(shrunk)) + shrunk
+    content = _PREFIX.pack(_MAGIC, _FORMAT, len(shrunk)) + shrunk
     return content + _checksum(content)
 
 
@@ -125,19 +121,20 @@ def _decode_body(form: int, body: BytesIO) -> Replay:
     names, title = checked_names(header.names, config), checked_text("title", header.title)
     if any(agent >= len(names) for _, agent in header.withdrawals) or len(header.colors) not in (0, config.hunters):
         raise ReplayError("is damaged: its header has withdrawals or colors of agents that it does not have")
-    _require_sizes(config, steps, header.spans)
+    _require_size(config, steps)
     choices = read_columns(body, config.hunters, steps)
     highest = [0 if control == "velocity" else config.targets_seen for control in config.controls]
     if np.any((choices < 0) | (choices > highest)):
         raise ReplayError("contains ranks that no arena would accept")
-    driven = driven_seats(config)
+    driven = _driven_seats(config)
     commands = np.zeros((steps, config.hunters, 2), dtype=np.float32)
     commands[:, driven] = _read_commands(body, steps, len(driven))
     prey_commands = _read_commands(body, steps, config.prey)
-    requests = read_requests(body, config) if (form - _FORMAT) & _NAMED_REQUESTS else []
+    requests = [] if form in _WITHOUT_NAMED_REQUESTS else read_requests(body, config)
     digests = [body.read(_DIGEST_BYTES) for _ in range(steps + 1)]
-    states = unpack_states(config, commands, prey_commands, body, header.spans)
-    if body.read(1):
+    if len(digests[-1]) < _DIGEST_BYTES:
+        raise ReplayError("is damaged: its digests are not complete")
+    if form == _FORMAT and body.read(1):
         raise ReplayError("is damaged: more bytes follow its end")
     return Replay(
         config,
@@ -148,7 +145,6 @@ def _decode_body(form: int, body: BytesIO) -> Replay:
         commands=list(commands),
         prey_commands=list(prey_commands),
         digests=digests,
-        states=states,
         withdrawals=header.withdrawals,
         named_requests=requests,
         colors=tuple(header.colors),
@@ -211,8 +207,8 @@ def _checked_body(content: bytes) -> tuple[int, BytesIO]:
     if len(stored) < _PREFIX.size or _checksum(stored) != content[-_CHECKSUM_BYTES:]:
         raise ReplayError("is incomplete or damaged: its checksum does not match")
     _, form, _ = _PREFIX.unpack_from(stored)
-    if not _FORMAT <= form <= _NEWEST:
-        raise ReplayError(f"has format {form}, but this version reads formats {_FORMAT} to {_NEWEST}")
+    if not _OLDEST <= form <= _FORMAT:
+        raise ReplayError(f"has format {form}, but this version reads formats {_OLDEST} to {_FORMAT}")
     unpacker = zlib.decompressobj()
     body = unpacker.decompress(stored[_PREFIX.size :], LARGEST_FILE)
     if not unpacker.eof:
@@ -220,10 +216,13 @@ def _checked_body(content: bytes) -> tuple[int, BytesIO]:
     return form, BytesIO(body)
 
 
-def _require_sizes(config: ArenaConfig, steps: int, spans: int) -> None:
+def _require_size(config: ArenaConfig, steps: int) -> None:
     """Raise ReplayError for a match that is too large for memory."""
-    most_steps = _MOST_NUMBERS // state_length(config) - 1
-    if steps > most_steps or spans > _MOST_SPANS:
-        raise ReplayError(
-            f"is too long for a file: {steps} steps and {spans} targets, but at most {most_steps} and {_MOST_SPANS} fit"
-        )
+    most_steps = _MOST_NUMBERS // (_NUMBERS_A_STEP + config.hunters + config.prey)
+    if steps > most_steps:
+        raise ReplayError(f"is too long for a file: {steps} steps, but at most {most_steps} fit")
+
+
+def _driven_seats(config: ArenaConfig) -> list[int]:
+    """Return the seats under velocity or full control, whose velocity commands have a meaning."""
+    return [seat for seat, control in enumerate(config.controls) if control != "target"]

@@ -16,7 +16,6 @@ from msgspec import Meta
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ReplayError
 from catch_arena.replay.codec import NUMBER, pack_columns, pack_json, read_columns, read_json, read_number
-from catch_arena.replay.states import USED_UP, QuantisedState, parts_of
 from catch_arena.text import printable
 
 MOST_REQUESTS: Final = 1 << 16
@@ -83,7 +82,8 @@ def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
     """
     names = list(dict.fromkeys(request.name for request in requests))
     places = {name: place for place, name in enumerate(names)}
-    numbers = np.array([(request.step, request.seat, places[request.name]) for request in requests], dtype=np.int64)
+    rows = [(request.step, request.seat, places[request.name]) for request in requests]
+    numbers = np.array(rows, dtype=np.int64).reshape(-1, 3)
     numbers[:, 0] = np.diff(numbers[:, 0], prepend=0)
     return pack_json(names) + NUMBER.pack(len(requests)) + pack_columns(numbers.T)
 
@@ -108,12 +108,3 @@ def read_requests(body: BytesIO, config: ArenaConfig) -> list[NamedRequest]:
         NamedRequest(step, seat, names[place])
         for step, seat, place in zip(steps, seats.tolist(), places.tolist(), strict=True)
     ]
-
-
-def has_appeared(name: str, states: Sequence[QuantisedState], config: ArenaConfig) -> bool:
-    """R3.4: return whether a target of this name is in one of the states; refused spawns use up numbers, too."""
-    digits = name.removeprefix(config.name_prefix)
-    if not digits.isdecimal() or config.target_name(int(digits)) != name:
-        return False
-    first = bisect_left(states, int(digits), key=lambda state: int(state[USED_UP]))
-    return first < len(states) and int(digits) in parts_of(states[first], config).targets[:, 0]

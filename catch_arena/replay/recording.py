@@ -1,4 +1,4 @@
-"""Rulebook R10.2: recorded matches: header, seed and actions, with the digest and the numbers of every state."""
+"""Rulebook R10.2: recorded matches: header, seed and actions, with a digest of every state."""
 
 import os
 from bisect import insort
@@ -6,6 +6,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field, fields
 from html import escape
 from io import BytesIO
+from itertools import pairwise
 from pathlib import Path
 from typing import Any, ClassVar, Final
 
@@ -19,8 +20,7 @@ from catch_arena.engine import Engine
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.files import write_whole
-from catch_arena.replay.named_requests import NamedRequest, describe_name, has_appeared, requests_of_step
-from catch_arena.replay.states import QuantisedState, quantise
+from catch_arena.replay.named_requests import NamedRequest, describe_name, requests_of_step
 from catch_arena.text import with_type
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
@@ -46,8 +46,6 @@ class Replay(EqualByBits):
     """Velocity commands of the prey in each step: (P, 2)."""
     digests: list[bytes] = field(default_factory=list)
     """A.8: digests of the states after the reset and after each step."""
-    states: list[QuantisedState] = field(default_factory=list)
-    """States after the reset and after each step, in whole millionths; they show the differences of two states."""
     withdrawals: list[tuple[int, int]] = field(default_factory=list)
     """R1.6, R12.5: withdrawals as (number of steps before it, agent); an agent is an index in `names`."""
     named_requests: list[NamedRequest] = field(default_factory=list)
@@ -103,11 +101,6 @@ class Replay(EqualByBits):
         """Return the agents that were withdrawn after `step` steps, as indices in `names`."""
         return [agent for before, agent in self.withdrawals if before == step]
 
-    def note(self, engine: Engine) -> None:
-        """Record the engine's state: here after the reset, and by `append` after each step."""
-        self.digests.append(engine.digest())
-        self.states.append(quantise(engine.state(), self.config))
-
     def append(
         self,
         choices: NDArray[np.int64],
@@ -124,7 +117,7 @@ class Replay(EqualByBits):
         self.choices.append(choices.copy())
         self.commands.append(commands[: self.config.hunters].copy())
         self.prey_commands.append(commands[self.config.hunters :].copy())
-        self.note(engine)
+        self.digests.append(engine.digest())
 
     def copy(self) -> "Replay":
         """Return a copy of the match so far; steps appended to one of the two do not appear in the other."""
@@ -161,19 +154,29 @@ class Replay(EqualByBits):
         for step, engine in enumerate(self.engines()):
             if engine.digest() != self.digests[step]:
                 raise ReplayError(
-                    f"the replay does not play as it was recorded: the states first differ after {step} steps; "
-                    "catch-arena verify shows the numbers"
+                    f"the replay does not play as it was recorded: the states first differ in {state_name(step)}"
                 )
             yield engine
 
-    def named_rulings(self, before: World, after: World) -> list[Ruling]:
-        """R8.4: return the rulings on requests by name in the step between two worlds, which `after.rulings` lacks."""
+    def judged_steps(self) -> Iterator[tuple[World, World, list[Ruling]]]:
+        """Play the match again, each state checked; yield for each step the world before it, the world after it, and
+        the rulings on requests by name (R8.4), which `rulings` of the world after it lacks.
+
+        Raises:
+            ReplayError: if a state differs; it names the first such step.
+        """
+        appeared: set[str] = set()
+        for before, after in pairwise(self.worlds()):
+            appeared.update(target.name for target in before.targets)
+            yield before, after, self._named_rulings(before, after, appeared)
+
+    def _named_rulings(self, before: World, after: World, appeared: set[str]) -> list[Ruling]:
         requests = requests_of_step(self.named_requests, before.step)
         if not requests:
             return []
         config, step = self.config, before.step
         alive = {target.name: (target.x, target.y) for target in before.targets}
-        gone = {request.name for request in requests if request.name is not None} - alive.keys()
+        asked = {request.name for request in requests}
         ranked = [(ruling.hunter, ruling.target) for ruling in after.rulings]
         with np.errstate(over="ignore"):  # the hashes of A.5 are arithmetic modulo 2^64
             kill_service_up = not kill_service_down(np.uint64(self.seed), step, config.faults.kill_down)
@@ -185,7 +188,7 @@ class Replay(EqualByBits):
             policy=config.policy,
             seed=self.seed,
             step=step,
-            caught={name for name in gone if has_appeared(name, self.states[: step + 1], config)},
+            caught=[name for name in appeared - alive.keys() if name in asked],
             inactive=[seat for seat, hunter in enumerate(after.hunters) if hunter.withdrawn],
             kill_service_up=kill_service_up,
             teams=config.teams,
@@ -269,7 +272,7 @@ class Recorder:
         self.replay = None
         if self._names_and_title is not None:
             self.replay = Replay(self._config, seed, *self._names_and_title)
-            self.replay.note(engine)
+            self.replay.digests.append(engine.digest())
 
     def withdraw(self, row: int) -> None:
         """Note that an agent was withdrawn: `row` is a hunter's seat, or the number of hunters plus prey's index."""
@@ -282,6 +285,11 @@ class Recorder:
         twin._names_and_title = self._names_and_title
         twin.replay = None if self.replay is None else self.replay.copy()
         return twin
+
+
+def state_name(step: int) -> str:
+    """Return the name of the state after `step` steps."""
+    return "the initial state" if step == 0 else f"step {step}"
 
 
 def _describe(command: NDArray[np.float32]) -> str:

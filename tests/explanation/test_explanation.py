@@ -5,7 +5,6 @@ import math
 import re
 from collections import Counter
 from functools import partial
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -165,9 +164,7 @@ def test_requests_by_name_are_one_line_for_each_name():
 def test_what_was_asked_for_by_name_is_told_with_its_verdict(named):
     """Each is a refusal with its reason, in the match and in its step; control characters are not printed."""
     explanation = explain(named)
-    verdicts = Counter(
-        one.verdict.name for before, after in pairwise(named.worlds()) for one in named.named_rulings(before, after)
-    )
+    verdicts = Counter(one.verdict.name for _, _, by_name in named.judged_steps() for one in by_name)
     assert sum(record.refused.get("DUPLICATE", 0) for record in explanation.records) == verdicts["DUPLICATE"] > 0
     assert all(line.isprintable() for line in explanation.lines())
     assert any(

@@ -32,7 +32,7 @@ def test_headers_are_compared_setting_by_setting(play):
         "reach_m: 0.3 in A; 0.5 in B",
     ]
     assert "the states first differ in the initial state" in found
-    assert any(re.match(r"the initial state: hunter_1: x is \d\.\d{6} m in A and ", line) for line in found)
+    assert any(re.match(r"the initial state: hunter_1: x is \d\.\d+ in A and ", line) for line in found)
 
 
 def test_states_of_still_and_of_moving_targets_are_not_compared(play):
@@ -66,20 +66,20 @@ def test_the_first_state_that_differs_is_told_with_its_numbers(play):
     found = replay_differences(one, other)
 
     assert found[:2] == ["max_speed_mps: 2.0 in A; 1.5 in B", "the states first differ in step 1"]
-    assert "step 1: hunter_0 (ann): linear velocity is 2.000000 m/s in A and 1.500000 m/s in B" in found
+    assert "step 1: hunter_0 (ann): linear_velocity is 2.0 in A and 1.5 in B" in found
     assert found[-1] == "final scores of the hunters: 0, 0 in A; 0, 0 in B"
 
 
 def test_a_digest_alone_and_a_length_are_differences(pair):
-    """The states are equal there; the shorter match is compared as far as it goes."""
+    """The match is the same there; the shorter one is compared as far as it goes."""
     one, other = pair
     other.digests[80] = b"12345678"
     found = replay_differences(one, other)
     assert found[:2] == [
         "the states first differ in step 80",
-        "step 80: every number differs by less than a millionth of its unit",
+        "step 80: all positions and counts are equal when both are played again",
     ]
-    for part in (other.choices, other.commands, other.digests, other.states):
+    for part in (other.choices, other.commands, other.digests):
         part.pop()
     assert replay_differences(one, other)[0] == "steps: 80 in A; 79 in B"
 

@@ -29,8 +29,7 @@ def test_r8_4_every_request_is_in_the_replay_with_the_ruling_that_it_had(seed, t
     played.save(tmp_path / "named.replay")
     replay = Replay.load(tmp_path / "named.replay")
     found = Counter()
-    for (before, after), live in zip(pairwise(replay.worlds()), rulings_by_step, strict=True):
-        named = replay.named_rulings(before, after)
+    for (_, after, named), live in zip(replay.judged_steps(), rulings_by_step, strict=True):
         again = [*(one for one in after.rulings if one.hunter != 1), *named]
         assert sorted(map(comparable, again)) == sorted(map(comparable, live))
         found.update(one.verdict for one in named)

@@ -23,6 +23,7 @@ from catch_arena.replay.motion import Poses, poses_of, step_motion
 from catch_arena.ros.middleware.graph_names import ALIVE_TURTLES, RULINGS, TURTLE, pose_of
 from catch_arena.ros.middleware.interfaces import RULING, Interfaces, RulingMessage
 from catch_arena.ros.middleware.typestore import register
+from catch_arena.verdicts import Ruling
 from catch_arena.world import HunterState, TargetState, World
 
 Storage = Literal["mcap", "sqlite3"]
@@ -60,13 +61,11 @@ def export_bag(
     """
     with _whole_bag(folder, storage, force=force) as bag:
         match = _MatchWriter(bag, replay, interfaces)
-        worlds = replay.worlds()
-        before = next(worlds)
-        match.write_poses(0, before.hunters, poses_of(before))
-        match.write_alive(0, before.targets, poses_of(before))
-        for after in worlds:
-            match.write_step(before, after)
-            before = after
+        first = next(replay.worlds())
+        match.write_poses(0, first.hunters, poses_of(first))
+        match.write_alive(0, first.targets, poses_of(first))
+        for before, after, by_name in replay.judged_steps():
+            match.write_step(before, after, by_name)
             if progress is not None:
                 progress(after.step, replay.steps)
         return match.messages
@@ -90,10 +89,10 @@ class _MatchWriter:
             self._connections[topic] = bag.add_connection(topic, kind.name, typestore=self._types)
         self._turtle = self._types.types[interfaces.turtle.name]
 
-    def write_step(self, before: World, after: World) -> None:
+    def write_step(self, before: World, after: World, by_name: Sequence[Ruling]) -> None:
         """Write one step. R1.4: its requests are judged on the state at its beginning; then comes the motion."""
         motion = step_motion(before, after)
-        for ruling in (*after.rulings, *self._replay.named_rulings(before, after)):
+        for ruling in (*after.rulings, *by_name):
             self._write(RULINGS, before.time_ms, *RulingMessage.of(ruling, before.time_ms, self._hunters))
         if {target.number for target in before.targets} - {target.number for target in after.targets}:
             self.write_alive(before.time_ms, after.targets, motion.poses[0])
