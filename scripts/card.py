@@ -27,8 +27,8 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.cli.progress import progress_bar
 from catch_arena.cli.tables import with_interval
+from catch_arena.cli.terminal import progress_bar
 from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS

@@ -21,7 +21,7 @@ from pathlib import Path
 from types import CodeType
 from typing import Any
 
-from catch_arena.cli.progress import progress_bar
+from catch_arena.cli.terminal import progress_bar
 from catch_arena.files import tomllib
 
 ROOT = Path(__file__).parent.parent

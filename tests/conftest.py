@@ -13,7 +13,7 @@ import pytest
 from hypothesis import HealthCheck, settings
 from isolation_levels import NOT_TESTED
 
-from catch_arena.cli import progress
+from catch_arena.cli import terminal
 from catch_arena.tournament import players
 from catch_arena.tournament.isolation import sandbox
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -36,7 +36,7 @@ os.environ["PYTHONPATH"] = str(Path(__file__).parents[1])
 Quotas.__init__.__kwdefaults__.update(init_s=120.0, bank_s=120.0)
 players._STALL_S = 60.0
 sandbox._END_S = 10.0
-progress._LINE_EVERY_S = math.inf
+terminal._LINE_EVERY_S = math.inf
 
 # A shell starts what runs in its background with interrupts ignored; commands that tests start would inherit that.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -54,7 +54,7 @@ def catch_arena(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[...
 @pytest.fixture(autouse=True)
 def _no_lines_of_progress(monkeypatch: pytest.MonkeyPatch) -> None:
     """A slow machine adds no lines to what a command prints here; tests of these lines choose their own pause."""
-    if (module := sys.modules.get("catch_arena.cli.progress")) is not None:
+    if (module := sys.modules.get("catch_arena.cli.terminal")) is not None:
         monkeypatch.setattr(module, "_LINE_EVERY_S", math.inf)
 
 

@@ -14,8 +14,7 @@ from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.hand_ins import ClassOptions
 from catch_arena.cli.options import Trust, print_level
 from catch_arena.cli.outputs import require_free
-from catch_arena.cli.progress import noting_kept_results, progress_bar
-from catch_arena.cli.terminal import echo
+from catch_arena.cli.terminal import echo, noting_kept_results, progress_bar
 from catch_arena.errors import ConfigError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.ros.node_tests.cases import cases_of

@@ -9,8 +9,7 @@ import typer
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.outputs import Force, reserve_file
-from catch_arena.cli.progress import progress_bar
-from catch_arena.cli.terminal import echo
+from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 from catch_arena.files import write_whole
 from catch_arena.tournament.loading import load_file, load_module

@@ -19,8 +19,7 @@ from catch_arena.cli.options import (
     print_level,
 )
 from catch_arena.cli.outputs import Force, reserve_file
-from catch_arena.cli.progress import progress_bar
-from catch_arena.cli.terminal import echo
+from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import ConfigError
 from catch_arena.files import write_whole
 from catch_arena.scenarios import SCENARIOS

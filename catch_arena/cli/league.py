@@ -13,8 +13,7 @@ import typer
 from catch_arena import interrupts
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Arena, Cores, Limit, Seed, print_level, quotas_of
-from catch_arena.cli.progress import progress_bar
-from catch_arena.cli.terminal import echo
+from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.tournament.secret import Secret
 

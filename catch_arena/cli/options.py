@@ -9,8 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
 
 import typer
 
-from catch_arena.cli.progress import progress_bar
-from catch_arena.cli.terminal import echo
+from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario as scenario_of

@@ -9,8 +9,7 @@ import typer
 
 from catch_arena.cli.app import EXIT_ERROR, EXIT_NO, main
 from catch_arena.cli.options import Recorded
-from catch_arena.cli.progress import progress_bar
-from catch_arena.cli.terminal import WIDE, echo, own_console
+from catch_arena.cli.terminal import WIDE, echo, own_console, progress_bar
 from catch_arena.errors import ConfigError, ReplayError
 
 

@@ -9,8 +9,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
 from catch_arena.cli.outputs import Force, reserve_file
-from catch_arena.cli.progress import match_counter, noting_kept_results, progress_bar
-from catch_arena.cli.terminal import echo, own_console, plain_table
+from catch_arena.cli.terminal import echo, match_counter, noting_kept_results, own_console, plain_table, progress_bar
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_spec import is_shipped
 

@@ -11,8 +11,7 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Recorded
 from catch_arena.cli.outputs import PAGE, VIDEO, VIDEO_HELP, Force, output_option, reserve_file, reserve_free_file
-from catch_arena.cli.progress import progress_bar
-from catch_arena.cli.terminal import echo
+from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.files import write_whole
 from catch_arena.text import printable

@@ -31,7 +31,7 @@ from subject import Row
 from tables import written
 from versions import ROOT, UnmeasurableError, checked_out, commit_of, current
 
-from catch_arena.cli.progress import progress_bar
+from catch_arena.cli.terminal import progress_bar
 
 COMMAND = shlex.join(["python", *(Path(one).name if Path(one).is_absolute() else one for one in sys.argv)])
 """Command line for the page, without the folders of this machine."""

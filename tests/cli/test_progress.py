@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from catch_arena.cli import progress
+from catch_arena.cli import terminal
 
 QUICK = ["--set", "time_limit_s=1"]
 DUEL = ["--scenario", "duel", *QUICK]
@@ -22,7 +22,7 @@ DUEL = ["--scenario", "duel", *QUICK]
     ],
 )
 def test_how_far_it_is_stands_on_stderr(catch_arena, monkeypatch, words, what, lines):
-    monkeypatch.setattr(progress, "_LINE_EVERY_S", 0.0)
+    monkeypatch.setattr(terminal, "_LINE_EVERY_S", 0.0)
     result = catch_arena(*words)
     found = re.findall(rf"^{what}: (\d+) of (\d+), \d+ s(, about \d+ s left)?$", result.stderr, re.MULTILINE)
     assert found, result.output

@@ -70,7 +70,7 @@ def run(monkeypatch, tmp_path):
     """Runs a command with the agent; whether the agent was in one of our own processes."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
-    monkeypatch.setattr("catch_arena.cli.live._SIZE", (320, 320))
+    monkeypatch.setattr("catch_arena.cli.matches._SIZE", (320, 320))
     monkeypatch.setattr("catch_arena.suite.contents.SUITE", SMALL_SUITE)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")

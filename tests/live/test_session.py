@@ -6,7 +6,7 @@ import command_line
 import pytest
 
 from catch_arena import explain
-from catch_arena.cli import live
+from catch_arena.cli import matches
 from catch_arena.live import match_window
 from catch_arena.render.optional_imports import pygame
 from catch_arena.replay import Replay
@@ -56,7 +56,7 @@ def session(monkeypatch, tmp_path):
     """Runs a command with a script of keys."""
     monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
     monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
-    monkeypatch.setattr(live, "_SIZE", (320, 320))
+    monkeypatch.setattr(matches, "_SIZE", (320, 320))
     monkeypatch.chdir(tmp_path)
 
     def run(words, *looks):

@@ -170,7 +170,7 @@ def test_a_package_that_cannot_be_is_one_line(replays, tmp_path, option, name):
 
 @pytest.mark.parametrize("words", [["bag", "x.replay"], ["import", "x"]])
 def test_without_rosbags_it_says_what_to_install(monkeypatch, words):
-    monkeypatch.setattr("catch_arena.cli.ros_bags.find_spec", lambda _: None)
+    monkeypatch.setattr("catch_arena.cli.ros.find_spec", lambda _: None)
     refused = run("ros", *words)
     assert (refused.exit_code, refused.stderr) == (
         2,

@@ -8,7 +8,7 @@ from xml.etree import ElementTree as ET
 import pytest
 from tournament.agents import source, write_agent
 
-from catch_arena.cli import progress
+from catch_arena.cli import terminal
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.grading import _HINTS
 from catch_arena.tournament.grading_spec import read_spec
@@ -102,7 +102,7 @@ def test_one_that_forfeits_too_often_in_a_row_does_not_play_the_rest_of_a_test(g
 
 
 def test_two_time_outs_end_a_test_and_how_far_it_is_is_shown(grade, monkeypatch):
-    monkeypatch.setattr(progress, "_LINE_EVERY_S", 0.0)
+    monkeypatch.setattr(terminal, "_LINE_EVERY_S", 0.0)
     write_agent(Path("hangs.py"), "while True: pass")
     limits = ["--limit", "step_ms=50", "--limit", "bank_s=0"]
     result = grade("hangs.py", *limits, "--json", "grades.json", spec=SPEC.replace("matches = 2", "matches = 5"))

@@ -1,0 +1,371 @@
+"""`catch-arena tournament` and `compare`, and `report` and `export`, which show and write a tournament's matches."""
+
+import math
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal
+
+import typer
+
+from catch_arena import interrupts
+from catch_arena.cli.app import main
+from catch_arena.cli.options import (
+    Agents,
+    Arena,
+    Cores,
+    Jobs,
+    Resume,
+    Scenario,
+    Seed,
+    Trust,
+    enter_agents,
+    print_missing_prey,
+    print_seed,
+)
+from catch_arena.cli.outputs import PAGE, Force, output_option, reserve_file
+from catch_arena.cli.terminal import echo, match_counter, noting_kept_results, own_console, progress_bar
+from catch_arena.errors import ConfigError, OutputError
+from catch_arena.files import prepare_folder
+from catch_arena.policy import Side
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.match import MAX_FORFEITS
+from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.secret import Secret
+from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
+
+if TYPE_CHECKING:  # heavy
+    from catch_arena.tournament.plans.schedule import Plan
+    from catch_arena.tournament.statistics.intervals import Estimate
+    from catch_arena.tournament.statistics.standings import Standing
+
+Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
+_MOST_MB = 1000
+_EXIT_CODES = {"H1": 0, "H0": 1, None: 3}
+
+
+@main.command()
+def tournament(
+    agents: Agents,
+    *,
+    arena: Arena,
+    form: Annotated[
+        Literal["round-robin", "gauntlet"],
+        typer.Option(
+            "--format",
+            metavar="FORMAT",
+            help="round-robin plays every line-up of agents; gauntlet plays those with the first agent. If they need "
+            "more matches than --max-matches, a sample is played in which pairs meet about equally often.",
+        ),
+    ] = "round-robin",
+    rounds: Annotated[
+        int | None, typer.Option(help="Number of rounds.", show_default="enough for ten blocks per agent")
+    ] = None,
+    until_separated: Annotated[
+        float | None,
+        typer.Option(
+            metavar="P",
+            help="Play rounds until the order of all agents is clear with this confidence, for example 0.95.",
+        ),
+    ] = None,
+    max_matches: Annotated[
+        int | None,
+        typer.Option(
+            min=1,
+            help="Maximum number of matches in a round; with --until-separated, in all rounds together.",
+            show_default="20000; 10000 with --until-separated",
+        ),
+    ] = None,
+    seed: Seed = None,
+    cores: Cores,
+    trust: Trust,
+    max_forfeits: Annotated[
+        int,
+        typer.Option(
+            metavar="N",
+            min=0,
+            help="Exclude an agent that forfeits N matches in a row: it forfeits the rest without being started. "
+            "0 excludes no agent.",
+        ),
+    ] = MAX_FORFEITS,
+    out: Annotated[
+        Path, typer.Option(metavar="DIR", help="Folder for the matches, the standings and the agents' logs.")
+    ] = Path("out/tournament"),
+    resume: Resume = False,
+    force: Annotated[
+        bool,
+        typer.Option("--force", help="Write into DIR even if it has files of another origin."),
+    ] = False,
+    record: Annotated[bool, typer.Option("--record", help="Also save a replay of each match, in DIR/replays.")] = False,
+    watch: Annotated[bool, typer.Option("--watch", help="Serve a live report on 127.0.0.1, until Ctrl-C.")] = False,
+) -> None:
+    """Play a tournament: agents meet in all rotations of the seats, and are ranked.
+
+    The same agents, options and seed give the same results with any --jobs and --executor.
+    """
+    from catch_arena.cli.tables import plan_table
+    from catch_arena.report import write_report
+    from catch_arena.tournament.execution.cost import measure_cost
+    from catch_arena.tournament.execution.executors import Worker
+    from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
+    from catch_arena.tournament.export import write_standings
+    from catch_arena.tournament.plans.schedule import UntilSeparated, require_enough
+    from catch_arena.tournament.statistics.standings import standings_of_sides
+
+    if until_separated is not None and rounds is not None:
+        raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
+    config, quotas, jobs = arena.config(), trust.quotas(), cores.number
+    parties = Parties.of(config)
+    given = None if seed is None else Secret.parse(seed)
+    entrants = enter_agents(agents, quotas)
+    require_enough(len(entrants), config, arena.scenario, tournament=True)
+    begun = Store.tournament_in(out) if resume else None
+    secret = given or (begun.secret if begun else Secret.of(None))
+    plan = _plan(form, entrants, parties, rounds, until_separated, max_matches, secret)
+    size = f"at most {plan.size}" if isinstance(plan, UntilSeparated) else f"{plan.size}"
+    worker = Worker(config, entrants, record, quotas)
+    about = Tournament(config, entrants, plan.parameters, secret.text, terms_of(quotas, max_forfeits, recorded=record))
+    new = not (out / STORE).exists()
+    if new:
+        if not force and out.is_dir() and any(out.glob("[!.]*")):
+            raise OutputError(f"{out}: has other files; use --force to write into it, or choose another folder")
+        cost = measure_cost(worker, plan)
+        own_console(err=True).print(plan_table(plan, len(entrants), cost, jobs))
+    prepare_folder(out / REPLAYS if record else out)
+
+    with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
+        echo(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
+        print_missing_prey(entrants, config)
+        with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
+            with cores.of(worker) as ready, progress_bar("playing", plan.size) as show:
+                count_matches = match_counter(plan.size, show)
+                play_plan(store, plan, ready, max_forfeits=max_forfeits, on_results=count_matches)
+            tables = standings_of_sides(entrants, list(store.played()), parties)
+            played = store.count_played()
+            write_standings(out, about, played, tables)
+        _print_standings(tables, entrants)
+        if isinstance(plan, UntilSeparated) and plan.last is not None:
+            echo(f"after {played} matches, {plan.last}")
+        if (out / LOGS).exists():
+            echo(f"what agents printed, and how they failed: {out / LOGS}")
+        print_seed(secret)
+        echo(f"results: {out}")
+        echo(f"report: {write_report(out)}")
+
+
+def _plan(
+    form: str,
+    entrants: Sequence[Entrant],
+    parties: Parties,
+    rounds: int | None,
+    until_separated: float | None,
+    max_matches: int | None,
+    secret: Secret,
+) -> "Plan":
+    """Return the plan that the options describe.
+
+    Raises:
+        ConfigError: if even a sample has more matches in a round than --max-matches allows.
+    """
+    from catch_arena.tournament.plans.schedule import BUDGET, MOST_IN_A_ROUND, UntilSeparated, plan_of
+
+    most = max_matches or (MOST_IN_A_ROUND if until_separated is None else BUDGET)
+
+    def plan_with(number: int | None) -> "Plan":
+        return plan_of(form, len(entrants), parties, number, secret, most)
+
+    if until_separated is not None:
+        return UntilSeparated(entrants, until_separated, most, plan_with, parties)
+    plan = plan_with(rounds)
+    if max_matches is not None and (a_round := plan.size // int(plan.parameters["rounds"])) > max_matches:
+        raise ConfigError(f"--max-matches must be at least {a_round}, the matches of one round, got {max_matches}")
+    return plan
+
+
+def _print_standings(tables: "dict[Side, list[Standing]]", entrants: tuple[Entrant, ...]) -> None:
+    """Print the standings, and the number of matches from which each excluded entrant was left out."""
+    from catch_arena.cli.tables import standings_table
+
+    for side, table in tables.items():
+        own_console().print(standings_table(table, side, titled=len(tables) > 1))
+    for entrant in entrants:
+        lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
+        if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
+            matches = sum(one.matches for one in lines)
+            echo(f"{entrant.name} was excluded: {without} of its {matches} matches were played without it")
+
+
+@contextmanager
+def _watched(folder: Path) -> Iterator[None]:
+    """Serve the report of a running tournament; after its end, serve the report until Ctrl-C."""
+    from catch_arena.report.watch import LiveReport, serve
+
+    with serve(LiveReport(folder)) as address:
+        echo(f"watch: {address}")
+        yield
+        interrupts.wait(lambda: echo(f"the report is served at {address} until Ctrl-C"))
+
+
+@dataclass(frozen=True)
+class Duel(Arena):
+    """Options for the arena of a comparison."""
+
+    scenario: Scenario = "duel"
+
+
+@main.command()
+def compare(
+    agents: Annotated[
+        tuple[str, str], typer.Argument(metavar="A B", help="The new agent, and the agent that it should beat.")
+    ],
+    *,
+    against: Annotated[
+        list[str] | None,
+        typer.Option(metavar="AGENT", help="Opponent of both A and B; may be repeated."),
+    ] = None,
+    arena: Duel,
+    elo0: Annotated[float, typer.Option(help="H0: A is stronger by this number of rating points.")] = 0.0,
+    elo1: Annotated[float, typer.Option(help="H1: A is stronger by this number of rating points.")] = 20.0,
+    max_blocks: Annotated[int, typer.Option(help="Stop undecided after this number of blocks.")] = 2000,
+    seed: Seed = None,
+    jobs: Jobs = None,
+    trust: Trust,
+) -> None:
+    """Play A and B until a sequential test decides which is stronger.
+
+    The exit code is 0 if A is stronger (H1), 1 if it is not (H0), and 3 if the test is still undecided.
+    """
+    from catch_arena.tournament.comparison import compare as play_and_test
+    from catch_arena.tournament.execution.executors import usable_cores
+    from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
+
+    config, quotas = arena.config(), trust.quotas()
+    secret = Secret.of(None) if seed is None else Secret.parse(seed)
+    if not elo0 < elo1:
+        raise ConfigError(f"--elo1 must be above --elo0, got {elo1:g} and {elo0:g}")
+    test = Sprt(share_of_elo(elo0), share_of_elo(elo1))
+    entrants = enter_agents([*agents, *(against or ())], quotas)
+    print_missing_prey(entrants, config)
+    first, second, *field = (entrant.name for entrant in entrants)
+    low, high = test.bounds
+    with progress_bar("playing") as show:
+
+        def show_test(matches: int, most: int) -> None:
+            show(matches, most, f"H0 {low:.2f} < {test.log_likelihood_ratio:+.2f} < {high:.2f} H1")
+
+        found = play_and_test(
+            config,
+            entrants,
+            test,
+            max_blocks=max_blocks,
+            seed=secret,
+            jobs=jobs or usable_cores(),
+            quotas=quotas,
+            progress=show_test,
+        )
+    for name, codes in found.forfeits.items():
+        echo(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
+    order = "in turn" if Parties.of(config).group == len(entrants) - 1 else "together"
+    field_text = f"{order} against {', '.join(field)}" if field else "against each other"
+    echo(f"{found.matches} matches in {found.blocks} blocks, {field_text}")
+    echo(f"share of {first}: {_describe(found.share)}")
+    echo(
+        f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
+        f"H0 is {elo0:+.0f} points, H1 {elo1:+.0f}"
+    )
+    verdicts = {
+        "H1": f"{first} is stronger than {second} (H1)",
+        "H0": f"{first} is not stronger than {second} (H0)",
+        None: f"undecided after {found.blocks} blocks",
+    }
+    print_seed(secret)
+    echo(f"verdict: {verdicts[found.decision]}")
+    raise typer.Exit(_EXIT_CODES[found.decision])
+
+
+def _describe(share: "Estimate") -> str:
+    """Return a share in per cent and in points, each with its interval if there is one."""
+    from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
+    from catch_arena.tournament.statistics.sprt import elo_of_share
+
+    if math.isnan(share.margin):
+        points = elo_of_share(share.mean)
+        return f"{100 * share.mean:.1f} %, {points:+.0f} points; an interval needs {FEWEST_BLOCKS} blocks"
+    mean, low, high = (f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high))
+    return (
+        f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), {mean} points ({low} to {high})"
+    )
+
+
+@main.command()
+def report(
+    folder: Folder,
+    *,
+    output: Annotated[Path | None, output_option("HTML file to write.", "DIR/report.html")] = None,
+    force: Force = False,
+    budget: Annotated[
+        float | None, typer.Option(metavar="MB", help="Maximum size of the replays in the page.", show_default="1")
+    ] = None,
+    match: Annotated[
+        list[str] | None, typer.Option(metavar="ID", help="A recorded match to include in the page; may be repeated.")
+    ] = None,
+    watch: Annotated[
+        bool,
+        typer.Option(
+            "--watch",
+            help="Serve the page on 127.0.0.1 instead, and update it while the tournament runs, until Ctrl-C.",
+        ),
+    ] = False,
+) -> None:
+    """Write a report: one HTML file with the standings, charts, and replays to watch."""
+    if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
+        raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
+    if watch:
+        if budget is not None or match or output is not None:
+            raise ConfigError("--budget, --match and --output must be left out with --watch, which shows every replay")
+        from catch_arena.report.watch import LiveReport, serve
+
+        live = LiveReport(folder)
+        live.state()  # raises errors here, before a browser opens the page
+        with serve(live) as address:
+            interrupts.wait(lambda: echo(f"report: {address} (Ctrl-C ends)"))
+        return
+    from catch_arena.report import BUDGET, write_report
+
+    reserve_file(output, PAGE, force=force)
+    size = BUDGET if budget is None else round(1e6 * budget)
+    echo(f"report: {write_report(folder, budget=size, matches=match or (), output=output)}")
+
+
+@main.command()
+def export(
+    folder: Folder,
+    *,
+    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")],
+    form: Annotated[
+        Literal["jsonl", "csv", "parquet"] | None,
+        typer.Option(
+            "--format",
+            metavar="FORMAT",
+            help="jsonl has a line for each match; csv and parquet have a row for each seat of each match.",
+            show_default="the ending of FILE",
+        ),
+    ] = None,
+    force: Force = False,
+    timing: Annotated[
+        bool, typer.Option("--timing/--no-timing", help="Include the time per move, which differs between runs.")
+    ] = True,
+) -> None:
+    """Write the matches of a tournament to a file, sorted by match."""
+    from catch_arena.tournament.export import export as write
+
+    with Store.read(folder) as store:
+        reserve_file(output, ".jsonl", ".csv", ".parquet", force=force)
+        named = output.suffix.lower().removeprefix(".")
+        if form not in {named, None}:
+            raise ConfigError(
+                f"--format must match the ending of the file's name, or be left out, got {form} for {output.name}"
+            )
+        write(store, named, output, timing=timing)
+        echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")
