@@ -104,22 +104,14 @@ def play(agent: Entrant, most: int) -> AgentMeasures:
     """
     blocks = SUITE.blocks if agent.name in REFERENCES else most
     evaluation = Evaluation(SUITE, agent, OUT, blocks, None)
-    done = 0
     with progress_bar(agent.name, evaluation.matches) as show:
-
-        def on_results(played: Sequence[object]) -> None:
-            nonlocal done
-            done += len(played)
-            show(done, evaluation.matches)
-
         while True:
             try:
-                evaluation.play(usable_cores(), on_results)
+                evaluation.play(usable_cores(), show)
                 break
             except OtherTournamentError as error:
                 print(f"{agent.name} is played again: {error}", file=sys.stderr)
                 shutil.rmtree(evaluation.folder)
-                done = 0
     return measure(evaluation)
 
 

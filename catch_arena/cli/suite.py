@@ -9,9 +9,10 @@ import typer
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
 from catch_arena.cli.outputs import Force, reserve_file
-from catch_arena.cli.terminal import echo, match_counter, noting_kept_results, own_console, plain_table, progress_bar
+from catch_arena.cli.terminal import echo, noting_kept_results, own_console, plain_table, progress_bar
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.tournament.agent_spec import is_shipped
+from catch_arena.tournament.isolation.sandbox import sandbox_for
 
 if TYPE_CHECKING:
     from catch_arena.suite.measures import AgentMeasures, Scores
@@ -66,7 +67,6 @@ def suite(
     from catch_arena.suite.evaluation import Evaluation
     from catch_arena.suite.measures import facts_of, measure, over_training_runs, references
     from catch_arena.tournament.execution.executors import usable_cores
-    from catch_arena.tournament.isolation.sandbox import sandbox_for
     from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
@@ -98,11 +98,10 @@ def suite(
         )
     echo(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, with {processes}")
 
-    with progress_bar("playing", total) as show:
-        count = match_counter(total, show)
-        with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
-            for evaluation in evaluations:
-                evaluation.play(workers, count)
+    with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
+        for evaluation in evaluations:
+            with progress_bar(evaluation.agent.name, evaluation.matches) as show:
+                evaluation.play(workers, show)
     known = references(chosen)
     measured = [measure(evaluation) for evaluation in evaluations]
     for measures in measured:
@@ -115,8 +114,6 @@ def suite(
             echo(f"interquartile mean, {part}: {with_interval(estimate, '.3f')}")
         if len(measured) < FEWEST_RUNS:
             echo(f"an interval needs {FEWEST_RUNS} training runs")
-    if not known:
-        echo(f"there are no reference scores for {chosen.name} {chosen.digest}")
     if json is not None:
         figures: dict[str, Any] = {"agents": [facts_of(chosen, measures, known) for measures in measured]}
         if runs:

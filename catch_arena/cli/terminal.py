@@ -4,7 +4,7 @@ Progress is a bar on a terminal, a line every few seconds elsewhere, and a line 
 """
 
 import time
-from collections.abc import Callable, Iterator, Sized
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any, Final
 
@@ -84,18 +84,6 @@ def progress_bar(description: str, total: int | None = None) -> Iterator[Callabl
 
     with bar:
         yield show
-
-
-def match_counter(total: int, show: Callable[..., None]) -> Callable[[Sized], None]:
-    """Return a function that takes further results of `total` matches, and calls `show` of `progress_bar`."""
-    done = 0
-
-    def count(results: Sized) -> None:
-        nonlocal done
-        done += len(results)
-        show(done, total)
-
-    return count
 
 
 @contextmanager

@@ -25,7 +25,7 @@ from catch_arena.cli.options import (
     print_seed,
 )
 from catch_arena.cli.outputs import PAGE, Force, output_option, reserve_file
-from catch_arena.cli.terminal import echo, match_counter, noting_kept_results, own_console, progress_bar
+from catch_arena.cli.terminal import echo, noting_kept_results, own_console, progress_bar
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.files import prepare_folder
 from catch_arena.policy import Side
@@ -33,6 +33,7 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import MAX_FORFEITS
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
+from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 if TYPE_CHECKING:  # heavy
@@ -139,8 +140,7 @@ def tournament(
         print_missing_prey(entrants, config)
         with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
             with cores.of(worker) as ready, progress_bar("playing", plan.size) as show:
-                count_matches = match_counter(plan.size, show)
-                play_plan(store, plan, ready, max_forfeits=max_forfeits, on_results=count_matches)
+                play_plan(store, plan, ready, max_forfeits=max_forfeits, progress=show)
             tables = standings_of_sides(entrants, list(store.played()), parties)
             played = store.count_played()
             write_standings(out, about, played, tables)
@@ -238,7 +238,6 @@ def compare(
     """
     from catch_arena.tournament.comparison import compare as play_and_test
     from catch_arena.tournament.execution.executors import usable_cores
-    from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
 
     config, quotas = arena.config(), trust.quotas()
     secret = Secret.of(None) if seed is None else Secret.parse(seed)
@@ -287,7 +286,6 @@ def compare(
 def _describe(share: "Estimate") -> str:
     """Return a share in per cent and in points, each with its interval if there is one."""
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
-    from catch_arena.tournament.statistics.sprt import elo_of_share
 
     if math.isnan(share.margin):
         points = elo_of_share(share.mean)

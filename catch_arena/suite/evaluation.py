@@ -1,6 +1,6 @@
 """Play of a suite by an agent: each scenario is a tournament of its own, kept in the agent's folder."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager
 from dataclasses import dataclass, replace
 from functools import cache
@@ -84,32 +84,36 @@ class Evaluation:
             if (forfeit := result.forfeits[0]) is not None:
                 yield one.name, forfeit.reason
 
-    def play(self, jobs: int, on_results: Callable[[Sequence[PlayedMatch]], None] = lambda _: None) -> None:
+    def play(self, jobs: int, progress: Callable[[int, int], None] = lambda *_: None) -> None:
         """Play the matches that are not kept yet, scenario by scenario.
 
         Args:
             jobs: number of processes.
-            on_results: see `runner.play_plan`; also called with the kept matches of each finished scenario.
+            progress: called with (matches played, matches of all scenarios) at the beginning and after each block.
 
         Raises:
             OtherTournamentError: for matches in the folder that are of another agent, or on other terms.
             MatchFailedError, OutputError: see `play_plan`.
         """
-        waiting = []
+        waiting, done = [], 0
         for one in self.suite.scenarios:
             with self._store(one):  # checks all folders first: their matches must be this agent's
                 kept = self.played(one)
             if len(kept) < self._plan(one).size:
                 waiting.append(one)
             else:
-                on_results(kept)
-        if not waiting:
-            return
-        with local_executor(self._worker(waiting[0]), jobs) as ready:
+                done += len(kept)
+        progress(done, self.matches)
+
+        def show(played: int, _: int) -> None:
+            progress(done + played, self.matches)
+
+        with local_executor(self._worker(self.suite.scenarios[0]), jobs) as ready:
             for one in waiting:
-                ready.worker = self._worker(one)
+                ready.worker, plan = self._worker(one), self._plan(one)
                 with self._store(one) as store:
-                    play_plan(store, self._plan(one), ready, max_forfeits=MAX_FORFEITS, on_results=on_results)
+                    play_plan(store, plan, ready, max_forfeits=MAX_FORFEITS, progress=show)
+                done += plan.size
 
     def played(self, scenario: SuiteScenario) -> list[PlayedMatch]:
         """Return the kept matches of a scenario that belong to the first `blocks` blocks; the store may have more."""

@@ -30,7 +30,7 @@ def play_plan(
     executor: Executor,
     *,
     max_forfeits: int = 0,
-    on_results: Callable[[Sequence[PlayedMatch]], None] = lambda _: None,
+    progress: Callable[[int, int], None] = lambda *_: None,
 ) -> None:
     """Play the matches of a plan that are not in the store yet, stage by stage, to the end of the plan.
 
@@ -43,7 +43,7 @@ def play_plan(
         plan: the matches to play.
         executor: plays the matches.
         max_forfeits: number of forfeits in a row that exclude an entrant; 0 for no limit.
-        on_results: called with the matches that were played before, and then with the matches of each block.
+        progress: called with (matches played, matches of the plan) at the beginning and after each block.
 
     Raises:
         MatchFailedError: for a block that failed on our side three times.
@@ -54,9 +54,9 @@ def play_plan(
     streaks = ForfeitStreaks(max_forfeits)
     before = list(store.played())
     streaks.add(before)
-    on_results(before)
+    progress(len(before), plan.size)
     store.set_planned(plan.size)
-    passed = 0  # number of matches of the plan so far
+    passed, played = 0, len(before)  # numbers of matches: of the plan's blocks so far, and of those in the store
 
     def without_stored(blocks: Iterable[Block]) -> Iterator[Block]:
         nonlocal passed
@@ -70,10 +70,15 @@ def play_plan(
                     f"{store.path}: is damaged: table match, row {block[0].id}: its block is not that of the plan"
                 )
 
+    def count_played(results: Sequence[PlayedMatch]) -> None:
+        nonlocal played
+        played += len(results)
+        progress(played, plan.size)
+
     for number in count():
         earlier = passed
         blocks = without_stored(plan.stage(number, islice(store.played(), earlier)))
-        play_and_store(store, blocks, executor, streaks, on_results)
+        play_and_store(store, blocks, executor, streaks, count_played)
         if passed == earlier:
             store.end()
             return
@@ -86,7 +91,10 @@ def play_and_store(
     streaks: ForfeitStreaks,
     on_results: Callable[[Sequence[PlayedMatch]], None],
 ) -> None:
-    """Play blocks, and write them in this order; the other arguments and the errors are those of `play_plan`."""
+    """Play blocks, write them in this order, and call `on_results` with the matches of each.
+
+    The other arguments and the errors are those of `play_plan`.
+    """
     tournament, folder = store.tournament, store.path.parent
     parties = Parties.of(tournament.config)
 
