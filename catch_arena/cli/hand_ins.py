@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Annotated, ClassVar
 
 import typer
 
+from catch_arena.classroom.starters import write_agent_kit, write_sample_class
+from catch_arena.classroom.submissions import is_class
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.options import (
@@ -25,10 +27,12 @@ from catch_arena.files import write_whole
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.agent_spec import resolve, unique_names
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.grading_spec import GradingSpec, read_spec
+from catch_arena.tournament.isolation.sandbox import sandbox_for
+from catch_arena.tournament.players import inspector
 
 if TYPE_CHECKING:
     from catch_arena.tournament.grading import TestGrade
-    from catch_arena.tournament.grading_spec import GradingSpec
 
 
 @main.command(name="check-agent")
@@ -47,7 +51,6 @@ def check_agent(
     The exit code is 1 if it would forfeit, else 0.
     """
     from catch_arena.tournament.agent_check import check_fitness
-    from catch_arena.tournament.isolation.sandbox import sandbox_for
 
     arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
     quotas = trust.quotas()
@@ -123,9 +126,7 @@ def grade(
     ros:/catch_turtle: the cases of the spec are sent to it (see `catch-arena docs grade_ros_node`). --interfaces
     and --bus are for nodes only.
     """
-    from catch_arena.classroom.submissions import is_class
     from catch_arena.tournament.grading import json_text, junit_text, seeds_text
-    from catch_arena.tournament.grading_spec import read_spec
 
     exercise = read_spec(spec)
     for path, ending in ((junit, ".xml"), (json, ".json"), (seeds, ".json")):
@@ -157,7 +158,7 @@ def grade(
 
 
 def _grade_service(
-    exercise: "GradingSpec", agent: str, service: NodeUnderTestOptions, seeds: Path | None
+    exercise: GradingSpec, agent: str, service: NodeUnderTestOptions, seeds: Path | None
 ) -> "tuple[str, None, list[TestGrade]]":
     """Ask the tests' cases of a node, print each grade, and return the node's name, no digest, and the grades."""
     from catch_arena.ros.node_tests.cases import grade_node
@@ -173,12 +174,10 @@ def _grade_service(
 
 
 def _grade_agent(
-    exercise: "GradingSpec", agent: str, trust: Trust, service: NodeUnderTestOptions
+    exercise: GradingSpec, agent: str, trust: Trust, service: NodeUnderTestOptions
 ) -> "tuple[str, str, list[TestGrade]]":
     """Play the tests, print each grade, and return the agent's name and digest, and the grades."""
     from catch_arena.tournament.grading import enter_opponents, grade_agent
-    from catch_arena.tournament.isolation.sandbox import sandbox_for
-    from catch_arena.tournament.players import inspector
 
     service.refuse()
     quotas = trust.quotas()
@@ -200,8 +199,6 @@ def new_agent(
     folder: Annotated[Path, typer.Argument(metavar="NAME", help="Folder to make; its name is the agent's name.")],
 ) -> None:
     """Write an agent that plays, with a test, a README, a spec, and a workflow file that grades it."""
-    from catch_arena.classroom.starters import write_agent_kit
-
     for path in write_agent_kit(folder):
         echo(str(path))
 
@@ -209,7 +206,5 @@ def new_agent(
 @main.command(name="new-class")
 def new_class(folder: Annotated[Path, typer.Argument(metavar="NAME", help="Folder to make.")]) -> None:
     """Write a sample class: a spec, and five submissions to grade."""
-    from catch_arena.classroom.starters import write_sample_class
-
     for path in write_sample_class(folder):
         echo(str(path))

@@ -16,6 +16,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.files import prepare_folder
 from catch_arena.seeding import arena_seed
+from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.parties import Parties
 
@@ -42,7 +43,6 @@ def match(
 
     Give one agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
-    from catch_arena.tournament.isolation.sandbox import sandbox_for
     from catch_arena.tournament.match_loop import in_parties, play_entrants
     from catch_arena.tournament.plans.schedule import require_enough
 

@@ -15,7 +15,10 @@ from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario as scenario_of
 from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
+from catch_arena.tournament.isolation.namespaces import available_level, level_line
 from catch_arena.tournament.isolation.quotas import Quotas
+from catch_arena.tournament.isolation.sandbox import sandbox_for
+from catch_arena.tournament.players import inspector
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
@@ -197,8 +200,6 @@ def quotas_of(limits: list[str] | None) -> Quotas:
     Raises:
         ConfigError: for an unknown limit, or a level that this machine does not have.
     """
-    from catch_arena.tournament.isolation.namespaces import available_level
-
     quotas = Quotas.of(**dict(_pairs("--limit", limits)))
     available_level(quotas.isolation)
     return quotas
@@ -212,8 +213,6 @@ def print_seed(secret: Secret) -> None:
 
 def print_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
     """Print in one line the level of isolation of the entrants with these specs, if any of them is isolated."""
-    from catch_arena.tournament.isolation.namespaces import available_level, level_line
-
     if quotas is not None and not all(map(is_shipped, specs)):
         echo(level_line(available_level(quotas.isolation)), err=True)
 
@@ -231,9 +230,6 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, 
         AgentError: for a spec that names no agent, or an agent in this process that cannot be loaded.
         MatchFailedError: if an isolated agent cannot be started, for a reason on our side.
     """
-    from catch_arena.tournament.isolation.sandbox import sandbox_for
-    from catch_arena.tournament.players import inspector
-
     with sandbox_for(quotas) as sandbox, progress_bar("loading agents") as show:
         inspect, seen = inspector(sandbox), count(1)
 

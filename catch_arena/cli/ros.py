@@ -29,11 +29,15 @@ from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.cli.videos import Picture, write_video
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, BusError, ConfigError, install_hint
+from catch_arena.ros.doctor import examine
 from catch_arena.ros.middleware.graph_names import TURTLE
+from catch_arena.ros.nodes.rate import tick_until_signal
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.seeding import arena_seed
 from catch_arena.text import name_fault
+from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.players import Players
 
 if TYPE_CHECKING:
     from catch_arena.ros.nodes.serving import Served
@@ -164,9 +168,6 @@ def controller(
     nearest, and false selects first.
     """
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
-    from catch_arena.ros.nodes.rate import tick_until_signal
-    from catch_arena.tournament.isolation.sandbox import sandbox_for
-    from catch_arena.tournament.players import Players
 
     quotas = trust.quotas()
     values = parameters_from(ros_args or (), {CLOSEST_FIRST: agent == _CLOSEST} if agent in {_CLOSEST, _OLDEST} else {})
@@ -205,7 +206,6 @@ def spawner(
     With several turtles, each calls its own service, for example /turtle2/catch_turtle.
     """
     from catch_arena.core.physics import DT
-    from catch_arena.ros.nodes.rate import tick_until_signal
     from catch_arena.ros.nodes.spawner import Spawner
 
     turtles = tuple(dict.fromkeys(checked_name("--turtle", name, TURTLE) for name in turtle or (TURTLE,)))
@@ -224,8 +224,6 @@ def doctor(*, bus: Bus) -> None:
     The exit code is 1 if there is a problem, else 0. Start your node first, but not `ros serve`. Nodes are listed
     over rclpy only; over cyclonedds those that drive a hunter are counted.
     """
-    from catch_arena.ros.doctor import examine
-
     with closing(bus.opened("catch_arena_doctor")) as joined:
         facts, problems = examine(joined, bus.types)
     for line in (*facts, *(f"problem: {one}" for one in problems)):
