@@ -25,8 +25,8 @@ from catch_arena.cli.bus import (
 from catch_arena.cli.matches import print_ranking
 from catch_arena.cli.options import ArenaSeed, Recorded, SettingOption, Trust, arena, enter_agents
 from catch_arena.cli.outputs import REPLAY, VIDEO, VIDEO_HELP, Force, output_option, reserve_file
+from catch_arena.cli.replays import Picture, load_replay, write_video
 from catch_arena.cli.terminal import echo, progress_bar
-from catch_arena.cli.videos import Picture, write_video
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, BusError, ConfigError, install_hint
 from catch_arena.ros.doctor import examine
@@ -246,10 +246,9 @@ def bag(
 ) -> None:
     """Write a recorded match as a bag, for ros2 bag play and Foxglove (see `catch-arena docs ros2_bags`)."""
     _require_rosbags()
-    from catch_arena.replay import Replay
     from catch_arena.ros.bags.export import export_bag
 
-    recorded = Replay.load(replay)
+    recorded = load_replay(replay)
     folder = output or replay.with_suffix("")
     if folder.suffix.lower() in {".mcap", ".db3", ".replay"}:
         raise ConfigError(f"{folder}: --output must be a folder, without the ending {folder.suffix}")
