@@ -427,6 +427,13 @@ class ArenaConfig:
         """Return the settings as JSON-ready values; `from_dict` reads them back."""
         return dataclasses.asdict(self)
 
+    def to_flat_dict(self) -> dict[str, Any]:
+        """Return the settings as one table, with groups as single entries: `gains` becomes `gains.kp_v` and so on."""
+        flat: dict[str, Any] = {}
+        for name, value in self.to_dict().items():
+            flat |= {f"{name}.{part}": number for part, number in value.items()} if name in _PARTS else {name: value}
+        return flat
+
     @classmethod
     def from_dict(cls, settings: Mapping[str, Any]) -> "ArenaConfig":
         """Return the config that `to_dict` wrote; raise ConfigError for unknown or impossible settings."""

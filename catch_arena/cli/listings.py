@@ -3,7 +3,7 @@
 import json
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated, Any, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -65,17 +65,8 @@ def docs(
 
 def _other_settings(config: ArenaConfig) -> Iterator[str]:
     """Yield the other settings that differ from the defaults, in the form of `--set`."""
-    usual = ArenaConfig().to_dict()
-    for name, value in config.to_dict().items():
-        if name in _LISTED or value == usual[name]:
-            continue
-        if isinstance(value, dict):
-            yield from (f"{name}.{part}={_short(own)}" for part, own in value.items() if own != usual[name][part])
-        else:
-            yield f"{name}={_short(value)}"
-
-
-def _short(value: Any) -> str:
-    if isinstance(value, tuple | list):
-        return f"[{','.join(map(_short, value))}]"
-    return f"{value:.4g}" if isinstance(value, float) else value if isinstance(value, str) else json.dumps(value)
+    usual = ArenaConfig().to_flat_dict()
+    for name, value in config.to_flat_dict().items():
+        if name not in _LISTED and value != usual[name]:
+            text = json.dumps(value, separators=(",", ":"))
+            yield f"{name}={value if isinstance(value, str) else text}"

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 from itertools import islice
 from typing import Any, Final
 
-from catch_arena.config import ArenaConfig
 from catch_arena.replay.recording import Replay, state_name
 from catch_arena.world import HunterState, PreyState, TargetState, World
 
@@ -46,17 +45,8 @@ def _header(replay: Replay) -> dict[str, str]:
         "seed": str(replay.seed),
         "title": repr(replay.title),
         **{f"the agent of {agent}": repr(name) for agent, name in zip(agents, replay.names, strict=True)},
-        **{name: str(value) for name, value in sorted(flat_settings(replay.config).items())},
+        **{name: str(value) for name, value in sorted(replay.config.to_flat_dict().items())},
     }
-
-
-def flat_settings(config: ArenaConfig) -> dict[str, Any]:
-    """Return the settings as one table, with groups as single entries: `gains` becomes `gains.kp_v` and so on."""
-    flat: dict[str, Any] = {}
-    for name, value in config.to_dict().items():
-        parts = value.items() if isinstance(value, dict) else None
-        flat |= {name: value} if parts is None else {f"{name}.{part}": number for part, number in parts}
-    return flat
 
 
 def _first_actions(first: Replay, second: Replay) -> list[str]:

@@ -17,7 +17,6 @@ from catch_arena.player import bundle_text, css, element_script, packed_text, pa
 from catch_arena.player.page_template import page_policy, page_style, page_template
 from catch_arena.render.match_info import agent_color
 from catch_arena.render.shapes import TURTLE_PARTS, Color
-from catch_arena.replay.comparison import flat_settings
 from catch_arena.report import charts
 from catch_arena.report.data import ReportData
 from catch_arena.report.moments import LostContest, answer_to, best_moment, figures, find_lost_contests
@@ -113,7 +112,7 @@ def page(
         forfeits=forfeits[:_MOST_WAYS],
         forfeit_count=sum(way["times"] for way in forfeits),
         forfeit_ways=len(forfeits),
-        settings=flat_settings(data.tournament.config),
+        settings=data.tournament.config.to_flat_dict(),
         ruleset=RULESET,
         shipped_prey=SHIPPED_PREY,
         recorded=len(data.recorded),

@@ -197,7 +197,8 @@ def test_agents_and_scenarios_are_listed(catch_arena):
     assert "contested_by_time" in catch_arena("agents").output
     listed = catch_arena("scenarios").output
     assert re.search(r"crowd +16 ", listed)
-    for name, setting in (("pairs", "teams=[[0,1],[2,3]]"), ("tag", "spawning=false")):
+    settings = {"pairs": "teams=[[0,1],[2,3]]", "tag": "spawning=false", "capstone": "max_speed_mps=31.364114775994008"}
+    for name, setting in settings.items():
         assert setting in listed  # whole, and as --set takes it
         field, _, _ = setting.partition("=")
         assert getattr(arena("standard", [setting]), field) == getattr(scenario(name), field)
