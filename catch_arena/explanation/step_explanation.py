@@ -180,7 +180,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
         PreyAction(
             index=index,
             name=prey_names[index],
-            action=replay.prey_action(before.step, index),
+            action=replay.action(before.step, config.hunters + index),
             target=before.prey[index].target,
             caught_by=after.prey[index].caught_by,
             returned_as=None if after.prey[index].target == before.prey[index].target else after.prey[index].target,

@@ -262,7 +262,7 @@ class _Search:
             for agent, row in product(replay.withdrawn_before(step), range(rows)):
                 engine.withdraw(row, agent)
             choices = np.tile(replay.choices[step], (rows, 1))
-            commands = np.tile(np.concatenate((replay.commands[step], replay.prey_commands[step])), (rows, 1, 1))
+            commands = np.tile(replay.commands[step], (rows, 1, 1))
             wanted = np.array([self._goal(change, step) for change in changes])
             seen = engine.numbers_seen(seat) == wanted[:, None]
             in_view = seen.any(axis=1) & (wanted > 0)
@@ -292,7 +292,7 @@ class _Search:
         """Return the match with a change, up to the step of the catch, and its last world."""
         old, begin = self._replay, change.run.start
         played, engine = old.copy(), Engine(old.config)
-        for recorded in (played.choices, played.commands, played.prey_commands):
+        for recorded in (played.choices, played.commands):
             del recorded[begin:]
         del played.digests[begin + 1 :]
         for choices, commands, won in self._play(engine, [change]):

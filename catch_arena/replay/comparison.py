@@ -60,20 +60,12 @@ def _first_actions(first: Replay, second: Replay) -> list[str]:
             for agent in sorted(gone[0] ^ gone[1])
         ]
         for index, agent in enumerate(agents if step < steps else ()):
-            first_action, second_action = (_action(match, step, index) for match in (first, second))
+            first_action, second_action = (match.action(step, index) for match in (first, second))
             if first_action != second_action:
                 found.append(f"step {step + 1}: {agent} acts differently: {first_action} in A; {second_action} in B")
         if found:
             return found
     return []
-
-
-def _action(replay: Replay, step: int, agent: int) -> str:
-    """Return an agent's action in a step, counted from 0; prey are numbered after the hunters."""
-    if agent >= replay.config.hunters:
-        return replay.prey_action(step, agent - replay.config.hunters)
-    named = ", ".join(replay.requested_by_name(step, agent))
-    return replay.action(step, agent) + (f" ({named})" if named else "")
 
 
 def _first_states(first: Replay, second: Replay) -> list[str]:

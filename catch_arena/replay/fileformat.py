@@ -68,8 +68,7 @@ def encode_replay(match: Replay) -> bytes:
     """
     config, steps = match.config, match.steps
     choices = np.array(match.choices, dtype=np.int64).reshape(-1, config.hunters)
-    commands = np.array(match.commands, dtype=np.float32).reshape(-1, config.hunters, 2)
-    prey_commands = np.array(match.prey_commands, dtype=np.float32).reshape(steps, config.prey, 2)
+    commands = np.array(match.commands, dtype=np.float32).reshape(-1, config.hunters + config.prey, 2)
     _require_size(config, steps)
     header = _Header(
         RULESET,
@@ -85,8 +84,7 @@ def encode_replay(match: Replay) -> bytes:
     parts = [
         pack_json(msgspec.to_builtins(header)),
         pack_columns(choices.T),
-        _pack_commands(commands[:, _driven_seats(config)]),
-        _pack_commands(prey_commands),
+        _pack_commands(commands[:, _driven_agents(config)]),
         pack_requests(match.named_requests),
         *match.digests,
     ]
@@ -126,10 +124,9 @@ def _decode_body(form: int, body: BytesIO) -> Replay:
     highest = [0 if control == "velocity" else config.targets_seen for control in config.controls]
     if np.any((choices < 0) | (choices > highest)):
         raise ReplayError("contains ranks that no arena would accept")
-    driven = _driven_seats(config)
-    commands = np.zeros((steps, config.hunters, 2), dtype=np.float32)
+    driven = _driven_agents(config)
+    commands = np.zeros((steps, config.hunters + config.prey, 2), dtype=np.float32)
     commands[:, driven] = _read_commands(body, steps, len(driven))
-    prey_commands = _read_commands(body, steps, config.prey)
     requests = [] if form in _WITHOUT_NAMED_REQUESTS else read_requests(body, config)
     digests = [body.read(_DIGEST_BYTES) for _ in range(steps + 1)]
     if len(digests[-1]) < _DIGEST_BYTES:
@@ -143,7 +140,6 @@ def _decode_body(form: int, body: BytesIO) -> Replay:
         title,
         choices=list(choices),
         commands=list(commands),
-        prey_commands=list(prey_commands),
         digests=digests,
         withdrawals=header.withdrawals,
         named_requests=requests,
@@ -223,6 +219,7 @@ def _require_size(config: ArenaConfig, steps: int) -> None:
         raise ReplayError(f"is too long for a file: {steps} steps, but at most {most_steps} fit")
 
 
-def _driven_seats(config: ArenaConfig) -> list[int]:
-    """Return the seats under velocity or full control, whose velocity commands have a meaning."""
-    return [seat for seat, control in enumerate(config.controls) if control != "target"]
+def _driven_agents(config: ArenaConfig) -> list[int]:
+    """Return the agents whose commands have a meaning: hunters under velocity or full control, and prey."""
+    hunters = [seat for seat, control in enumerate(config.controls) if control != "target"]
+    return [*hunters, *range(config.hunters, config.hunters + config.prey)]

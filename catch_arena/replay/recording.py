@@ -41,9 +41,7 @@ class Replay(EqualByBits):
     choices: list[NDArray[np.int64]] = field(default_factory=list)
     """Ranks that the hunters chose in each step: (H,)."""
     commands: list[NDArray[np.float32]] = field(default_factory=list)
-    """Velocity commands of the hunters in each step: (H, 2)."""
-    prey_commands: list[NDArray[np.float32]] = field(default_factory=list)
-    """Velocity commands of the prey in each step: (P, 2)."""
+    """Velocity commands of all agents in each step, of the hunters by seat and then of the prey: (H + P, 2)."""
     digests: list[bytes] = field(default_factory=list)
     """A.8: digests of the states after the reset and after each step."""
     withdrawals: list[tuple[int, int]] = field(default_factory=list)
@@ -76,26 +74,24 @@ class Replay(EqualByBits):
         """Duration of the steps played [ms]."""
         return self.steps * self.config.control_period_ms
 
-    def action(self, step: int, seat: int) -> str:
-        """Return a hunter's action in a step, counted from 0, in words; nine digits distinguish all float32 numbers."""
-        control = self.config.controls[seat]
-        rank = int(self.choices[step][seat])
-        if control == "target":
-            return f"rank {rank}" if rank else "hold"
-        commanded = _describe(self.commands[step][seat])
-        if control == "velocity":
+    def action(self, step: int, agent: int) -> str:
+        """Return an agent's action in a step, counted from 0, in words; nine digits distinguish all float32 numbers.
+
+        Args:
+            step: number of steps played before.
+            agent: index in `names`.
+        """
+        linear, angular = self.commands[step][agent].tolist()
+        commanded = f"linear {linear:+.9g} and angular {angular:+.9g} of the limits"
+        if agent >= self.config.hunters or self.config.controls[agent] == "velocity":
             return commanded
-        request = f"rank {rank}" if rank else "by name" if self.requested_by_name(step, seat) else "nothing"
-        return f"{commanded}, catch {request}"
-
-    def requested_by_name(self, step: int, seat: int) -> list[str]:
-        """R8.4: return the names in a hunter's requests by name in a step, in their order, in words."""
-        requests = requests_of_step(self.named_requests, step)
-        return [describe_name(request.name) for request in requests if request.seat == seat]
-
-    def prey_action(self, step: int, index: int) -> str:
-        """Return a prey's action in a step, counted from 0, in words."""
-        return _describe(self.prey_commands[step][index])
+        rank = int(self.choices[step][agent])
+        if self.config.controls[agent] == "target":
+            return f"rank {rank}" if rank else "hold"
+        requests = [f"rank {rank}"] if rank else []
+        named = requests_of_step(self.named_requests, step)  # R8.4
+        requests += [describe_name(request.name) for request in named if request.seat == agent]
+        return f"{commanded}, catch {', '.join(requests) or 'nothing'}"
 
     def withdrawn_before(self, step: int) -> list[int]:
         """Return the agents that were withdrawn after `step` steps, as indices in `names`."""
@@ -115,8 +111,7 @@ class Replay(EqualByBits):
             engine: the engine; its first arena is recorded.
         """
         self.choices.append(choices.copy())
-        self.commands.append(commands[: self.config.hunters].copy())
-        self.prey_commands.append(commands[self.config.hunters :].copy())
+        self.commands.append(commands.copy())
         self.digests.append(engine.digest())
 
     def copy(self) -> "Replay":
@@ -133,8 +128,7 @@ class Replay(EqualByBits):
         for step in range(self.steps):
             for agent in self.withdrawn_before(step):
                 engine.withdraw(0, agent)
-            commands = np.concatenate((self.commands[step], self.prey_commands[step]))
-            engine.step(self.choices[step][None], commands[None])
+            engine.step(self.choices[step][None], self.commands[step][None])
             yield engine
 
     def worlds(self) -> Iterator[World]:
@@ -290,8 +284,3 @@ class Recorder:
 def state_name(step: int) -> str:
     """Return the name of the state after `step` steps."""
     return "the initial state" if step == 0 else f"step {step}"
-
-
-def _describe(command: NDArray[np.float32]) -> str:
-    linear, angular = command.tolist()
-    return f"linear {linear:+.9g} and angular {angular:+.9g} of the limits"

@@ -175,7 +175,7 @@ def test_a_step_tells_what_prey_did_and_what_became_of_it(hunted):
     capture = next(one for one in explanation.captures if one.returned_ms is not None)
     one = explain_step(hunted, capture.step).prey[capture.prey]
     assert (one.caught_by, one.target, one.returned_as) == (capture.seat, capture.target, None)
-    assert one.action == hunted.prey_action(capture.step - 1, capture.prey)
+    assert one.action == hunted.action(capture.step - 1, hunted.config.hunters + capture.prey)
     lines = explain_step(hunted, capture.step).lines()
     name = explanation.prey_names[capture.prey]
     (line,) = (line for line in lines if line.startswith(f"{name}: "))

@@ -2,7 +2,6 @@
 
 import re
 
-import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -55,7 +54,7 @@ def play_again(replay: Replay, seat: int, actions: dict, steps: int) -> Engine:
         for agent in replay.withdrawn_before(step):
             engine.withdraw(0, agent)
         choices = replay.choices[step].copy()
-        commands = np.concatenate((replay.commands[step], replay.prey_commands[step]))
+        commands = replay.commands[step].copy()
         match actions.get(step):
             case int(rank):
                 choices[seat] = rank

@@ -116,7 +116,7 @@ def test_a_person_plays_prey(session):
     printed, replay = played(session, *words)
     assert replay.names[3:] == ("you",)
     assert set(replay.config.controls) == {"target"}
-    assert {float(commands[0][0]) for commands in replay.prey_commands} == {1.0}
+    assert {float(commands[3][0]) for commands in replay.commands} == {1.0}
     assert "prey, by number of times caught:\n  1    0  you" in printed
 
 

@@ -101,7 +101,7 @@ def test_diff_exits_with_0_1_or_2(play, mixed, catch_arena):
 def test_actions_names_and_captures_of_prey_are_compared(hunted):
     other = copy.deepcopy(hunted)
     other.names = (*hunted.names[:6], "r")
-    other.prey_commands[12][2] = 0.5, -0.25
+    other.commands[12][hunted.config.hunters + 2] = 0.5, -0.25
     other.withdrawals.remove((90, 5))
     found = replay_differences(hunted, other)
 

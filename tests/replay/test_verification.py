@@ -53,7 +53,7 @@ def test_dropouts_follow_from_the_seed(fleeing):
 def test_steps_after_the_end_of_the_match_are_a_fault(mixed):
     """They change nothing, so that all digests agree."""
     longer = mixed.copy()
-    for numbers in (longer.choices, longer.commands, longer.prey_commands, longer.digests):
+    for numbers in (longer.choices, longer.commands, longer.digests):
         numbers.append(numbers[-1])
     assert verify(longer) == [f"the match ends in step {mixed.steps}, but {mixed.steps + 1} steps are recorded"]
 
@@ -86,7 +86,7 @@ def test_verify_gives_each_file_its_lines_and_fails_if_any_does(mixed, tmp_path,
 
 
 def test_an_edited_action_of_prey_is_found(hunted):
-    found = verify(altered(hunted, lambda match: match.prey_commands[0].__setitem__(0, (0.1, 0.9))))
+    found = verify(altered(hunted, lambda match: match.commands[0].__setitem__(match.config.hunters, (0.1, 0.9))))
     assert found[0].startswith("the states first differ in step 1")
 
 
@@ -99,7 +99,7 @@ def test_an_edited_action_of_prey_whose_effect_ends_with_its_return_is_found():
         rank = int(env.world().step == 9)
         env.step({"hunter_0": {"cmd_vel": (0.0, 0.0), "catch": rank}, "prey_0": (0.5, 0.25)})
     match = env.replay()
-    found = verify(altered(match, lambda match: match.prey_commands[4].__setitem__(0, (1.0, 0.25))))
+    found = verify(altered(match, lambda match: match.commands[4].__setitem__(1, (1.0, 0.25))))
 
     assert verify(match) == []
     assert found == ["the states first differ in step 5; from step 10 on they agree"]
