@@ -11,15 +11,7 @@ def seconds(time_ms: int) -> str:
     return f"{time_ms / 1000:.1f} s" if time_ms % 100 == 0 else f"{time_ms / 1000:.3f} s"
 
 
-def exact_length(length_um: float) -> str:
-    """Return a length in millimetres if it is below 1 m, else in metres, to the micrometre."""
-    return f"{length_um / 1e3:.3f} mm" if abs(length_um) < 1e6 else f"{length_um / 1e6:.6f} m"
-
-
-def short_length(length_um: int) -> str:
-    """Return a short length with about two digits, in micrometres, millimetres or centimetres."""
-    if length_um < 1000:
-        return f"{length_um} µm"
-    if length_um < 9950:
-        return f"{length_um / 1000:.1f} mm"
-    return f"{length_um / 1000:.0f} mm" if length_um < 99_500 else f"{length_um / 10_000:.0f} cm"
+def millimetres(length_um: int) -> str:
+    """Return a short length in millimetres, with at least two digits."""
+    decimals = 3 if length_um < 100 else 2 if length_um < 995 else 1 if length_um < 9950 else 0
+    return f"{length_um / 1000:.{decimals}f} mm"

@@ -11,7 +11,7 @@ from itertools import groupby, pairwise
 from typing import Final, Literal
 
 from catch_arena.explanation.facts import Catch, Contest
-from catch_arena.explanation.formatting import metres, seconds, short_length
+from catch_arena.explanation.formatting import metres, millimetres, seconds
 from catch_arena.explanation.match_summary import Explanation
 from catch_arena.verdicts import Verdict
 
@@ -138,7 +138,7 @@ def _contests(match: Explanation) -> Iterable[Highlight]:
     for contest in filter(has_loser, match.contests):
         winner, loser = contest.claims[:2]
         first, second, margin_um = match.names[winner.seat], match.names[loser.seat], contest.margin_um or 0
-        by, rule = short_length(margin_um), "the smaller distance decides"
+        by, rule = millimetres(margin_um), "the smaller distance decides"
         if contest.clause == "R5.5":
             by, rule = "lot", "the lowest lot wins"
         reason = (

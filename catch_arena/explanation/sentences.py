@@ -5,7 +5,7 @@ from typing import Final
 
 from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.facts import Claim, Contest, HunterSummary, PreySummary
-from catch_arena.explanation.formatting import exact_length, metres, seconds
+from catch_arena.explanation.formatting import metres, millimetres, seconds
 from catch_arena.explanation.seats import with_seat
 from catch_arena.replay.named_requests import describe_name
 from catch_arena.verdicts import REASONS, Verdict
@@ -49,7 +49,7 @@ def _place(claim: Claim, winner: Claim) -> str:
     parts = [f"{metres(claim.distance_um)} away"]
     if claim.seat != winner.seat:
         more = (claim.distance_um or 0) - (winner.distance_um or 0)
-        compared = f"{exact_length(abs(more))} {'farther' if more > 0 else 'nearer'}"
+        compared = f"{metres(abs(more))} {'farther' if more > 0 else 'nearer'}"
         parts.append(compared if more else "the same distance")
     if claim.lot is not None:
         parts.append(f"lot {claim.lot:016x}")
@@ -113,8 +113,9 @@ def summary_sentence(summary: HunterSummary, policy: ArbitrationPolicy) -> str:
             (summary.contests_won, "won", summary.won_by_um),
             (summary.contests_lost, "lost", summary.lost_by_um),
         ):
-            average = "" if margin_um is None or policy != "nearest" else f", by {exact_length(margin_um)} on average"
-            parts.append(f"{counted(count, 'contest')} {outcome}{average}")
+            parts.append(f"{counted(count, 'contest')} {outcome}")
+            if margin_um is not None and policy == "nearest":
+                parts[-1] += f", by {millimetres(round(margin_um))} on average"
         if summary.contests_lost_to_mates:
             parts[-1] += f", {summary.contests_lost_to_mates} to its own team-mates (R11.3)"
     if summary.refused:

@@ -16,7 +16,7 @@ from catch_arena.engine import Engine, SavedState
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Claim, Contest
-from catch_arena.explanation.formatting import seconds, short_length
+from catch_arena.explanation.formatting import millimetres, seconds
 from catch_arena.explanation.match_summary import explain
 from catch_arena.explanation.seats import find_subjects, labels, prey_labels
 from catch_arena.explanation.sentences import listed
@@ -111,7 +111,7 @@ def what_if(
     if won is None:
         caught = f"catches {target} at {seconds(last.time_ms - replay.config.control_period_ms)} without a contest"
     else:
-        margin = f" by {short_length(won.margin_um or 0)}" if won.clause == "R5.4" else ""
+        margin = f" by {millimetres(won.margin_um or 0)}" if won.clause == "R5.4" else ""
         caught = f"wins {target} at {seconds(won.judged_ms)}{margin} ({won.clause})"
     sentence = f"{search.sentence(change)}, and {name} {caught}."
     margin_um = None if won is None else won.margin_um

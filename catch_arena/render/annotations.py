@@ -9,7 +9,8 @@ from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
-from catch_arena.render.lens import Lens, lens_of, millimetres
+from catch_arena.explanation.formatting import millimetres
+from catch_arena.render.lens import Lens, lens_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Label, Path, Ring, Shape, mix
 from catch_arena.render.text import text_width, truncated

@@ -7,9 +7,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
+from catch_arena.explanation.formatting import millimetres
 from catch_arena.render.annotations import Annotation
 from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, agent_chip, chip_width, clock, font_size
-from catch_arena.render.lens import millimetres
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
+from catch_arena.explanation.formatting import millimetres
 from catch_arena.render import hud
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import INK, WHITE, Box, Label, Path, Ring, Shape, Turtle
@@ -86,12 +87,6 @@ def spread_directions(directions: Sequence[float]) -> list[float]:
                 turned[first] -= push
                 turned[second] += push
     return turned
-
-
-def millimetres(length_um: int) -> str:
-    """Return a length in millimetres as text, with at least two digits."""
-    decimals = 3 if length_um < 100 else 2 if length_um < 995 else 1 if length_um < 9950 else 0
-    return f"{length_um / 1000:.{decimals}f} mm"
 
 
 def lens_shapes(viewport: Viewport, info: MatchInfo, lens: Lens, age_ms: float) -> list[Shape]:

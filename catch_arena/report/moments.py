@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Final, NamedTuple
 
 from catch_arena.explanation.facts import Contest
-from catch_arena.explanation.formatting import exact_length, short_length
+from catch_arena.explanation.formatting import millimetres
 from catch_arena.explanation.highlights import Highlight, best_highlights, has_loser
 from catch_arena.explanation.match_summary import Explanation
 from catch_arena.explanation.what_if import WhatIf, what_if
@@ -50,7 +50,7 @@ def figures(data: ReportData, explanations: Mapping[str, Explanation]) -> list[F
     return [
         Figure("Matches played", number(played), of_plan),
         Figure("Contests decided", number(contests)),
-        Figure("Closest contest", exact_length(min(margins)), among) if margins else Figure("Catches", number(catches)),
+        Figure("Closest contest", millimetres(min(margins)), among) if margins else Figure("Catches", number(catches)),
     ]
 
 
@@ -95,7 +95,7 @@ def find_lost_contests(data: ReportData, explanations: Mapping[str, Explanation]
     for loser, (margin_um, match, contest) in sorted(closest.items(), key=lambda item: item[1][0])[:MOST_ANSWERS]:
         winner = players[match][party[contest.claims[0].seat]]
         answer = what_if(data.replay(match), contest)
-        reason = f"by {short_length(margin_um)}" if contest.clause == "R5.4" else "by lot"
+        reason = f"by {millimetres(margin_um)}" if contest.clause == "R5.4" else "by lot"
         found.append(LostContest(loser, winner, reason, match, answer))
     return found
 

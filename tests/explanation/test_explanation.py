@@ -85,7 +85,7 @@ def test_a_contest_is_told_with_clause_distances_and_winner(play):
 
     assert (
         "At 0.0 s (step 1) bob, ann and cid asked for target_turtle_2. bob was 0.854333 m away; ann was 1.053799 m "
-        "away, 199.466 mm farther; cid was 1.053799 m away, 199.466 mm farther. The smaller distance decides (R5.4): "
+        "away, 0.199466 m farther; cid was 1.053799 m away, 0.199466 m farther. The smaller distance decides (R5.4): "
         "bob catches it. LOST_CONTEST (R5.6): ann and cid."
     ) in paragraphs
 

@@ -61,7 +61,7 @@ def test_a_quiet_match_has_none():
 
 def test_a_contest_says_who_won_by_how_much_and_why():
     (one,) = of_kind("contest", match_with(contests=[contest(213)]))
-    assert one.event == "bob beats ann by 213 µm"
+    assert one.event == "bob beats ann by 0.21 mm"
     assert one.reason == (
         "bob was 0.120000 m from target_turtle_7, ann 0.120213 m: the smaller distance decides (R5.4)"
     )

@@ -6,10 +6,11 @@ import pytest
 from render.pictured import SIZES, a_world, an_info, assert_inside, kinds
 
 from catch_arena.config import ArenaConfig
+from catch_arena.explanation.formatting import millimetres
 from catch_arena.render import hud
 from catch_arena.render.annotations import annotations_of
 from catch_arena.render.captions import Commentary, caption_shapes
-from catch_arena.render.lens import LENS_MS, millimetres, spread_directions
+from catch_arena.render.lens import LENS_MS, spread_directions
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Label, Turtle
 from catch_arena.render.viewport import Viewport

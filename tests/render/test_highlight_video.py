@@ -14,7 +14,7 @@ from catch_arena.render.highlight_video import (
 )
 from catch_arena.render.shapes import Label
 
-HIGHLIGHT = Highlight("contest", 500, 1500, 2500, 0.9, "bob beats ann by 213 µm", "the nearest wins (R5.4)")
+HIGHLIGHT = Highlight("contest", 500, 1500, 2500, 0.9, "bob beats ann by 0.21 mm", "the nearest wins (R5.4)")
 AREA = hud.Rect(0, 300, 640, 60)
 
 

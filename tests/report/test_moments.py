@@ -3,6 +3,7 @@
 from report.synthetic import tournament
 
 from catch_arena.explanation import explain
+from catch_arena.explanation.formatting import millimetres
 from catch_arena.explanation.highlights import find_highlights
 from catch_arena.report.data import ReportData
 from catch_arena.report.moments import best_moment, figures
@@ -18,7 +19,7 @@ def test_the_figures_are_those_of_the_replays(played):
     assert [(figure.name, figure.value, figure.note) for figure in found] == [
         ("Matches played", "4", ""),
         ("Contests decided", str(len(contests)), ""),
-        ("Closest contest", f"{closest / 1000:.3f} mm", ""),
+        ("Closest contest", millimetres(closest), ""),
     ]
 
 
