@@ -74,18 +74,12 @@ class HunterSummary:
     catches: int = 0
     contests_won: int = 0
     contests_lost: int = 0
-    won_by_um: float | None = None
-    """Mean of `Contest.margin_um` over the contests that it won; None without one."""
     contests_lost_to_mates: int = 0
     """Number of the lost contests that a team-mate won (R11.3)."""
-    lost_by_um: float | None = None
-    """Mean of its distance minus the winner's over the contests that it lost; None without one."""
     refused: dict[str, int] = field(default_factory=dict)
     """Number of requests refused for other reasons, by verdict."""
     forestalled: int = 0
     """Number of its active targets that another hunter caught without a contest between them."""
-    never_seen: int | None = None
-    """Number of targets caught by others that it never had in sight (R7.5); None if hunters see everything."""
     withdrawn_ms: int | None = None
     out: str | None = None
     """Reason for leaving: "withdrawn (R1.6)" or "dropped out (R1.7)"; None if the hunter stayed."""
@@ -142,9 +136,6 @@ class PreySummary:
     index: int
     name: str
     times_caught: int = 0
-    returns: int = 0
-    in_play_ms: int = 0
-    """Total time in play [ms] (R12.5)."""
     out: bool = False
     """True if the prey is out at the end."""
     withdrawn_ms: int | None = None

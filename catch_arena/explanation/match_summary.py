@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Any, Final
 
 from catch_arena.config import ArbitrationPolicy
-from catch_arena.explanation.contests import contests_of, unseen_targets
+from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import (
     Capture,
     Catch,
@@ -218,8 +218,6 @@ class _HunterRecord:
     def __init__(self, replay: Replay, seat: int, name: str) -> None:
         self._replay = replay
         self._summary = HunterSummary(seat, name)
-        self._seen: set[str] = set()
-        """Names of the targets that the hunter has had in sight."""
         self._verdicts: Counter[Verdict] = Counter()
         """Number of its requests by verdict."""
         self._busy = False
@@ -229,7 +227,7 @@ class _HunterRecord:
 
     def note(self, before: World, after: World, catchers: Mapping[str, int], contests: Sequence[Contest]) -> None:
         """Add the next step, with the seat that caught each target in it, and its contests."""
-        summary, seat, config = self._summary, self._summary.seat, self._replay.config
+        summary, seat = self._summary, self._summary.seat
         if after.hunters[seat].withdrawn and summary.withdrawn_ms is None:  # R1.6, R1.7: it took no part in the step
             summary.withdrawn_ms = before.time_ms
             summary.out = exit_cause(self._replay, seat)
@@ -239,11 +237,6 @@ class _HunterRecord:
         self._busy = bool(contested) or seat in catchers.values()
         if self._busy:
             self._running.clear()
-        if config.partial_view:  # R7.5
-            if not before.hunters[seat].withdrawn:
-                unseen = {one.target for one in unseen_targets(config, before, seat)}
-                self._seen.update({target.name for target in before.targets} - unseen)
-            summary.never_seen = (summary.never_seen or 0) + len(lost - self._seen)
 
     def add_request(self, ruling: Ruling, judged_ms: int, *, by_name: bool) -> None:
         """Add a request in the last step, and its refusal to the run of its verdict and target."""
@@ -267,13 +260,10 @@ class _HunterRecord:
         """Return the summary, with the hunter's score and the results of the match's contests."""
         summary, seat = self._summary, self._summary.seat
         decided = [contest for contest in contests if contest.clause != "R9.1"]  # under R9.1 every claim wins
-        won = [contest.margin_um or 0 for contest in decided if contest.claims[0].seat == seat]
-        claims = [(claim, one.claims[0]) for one in decided for claim in one.claims[1:] if claim.seat == seat]
-        lost = [(claim.distance_um or 0) - (winner.distance_um or 0) for claim, winner in claims]
-        summary.catches, summary.contests_won, summary.contests_lost = score, len(won), len(lost)
-        summary.contests_lost_to_mates = sum(claim.mate for claim, _ in claims)
-        summary.won_by_um = sum(won) / len(won) if won else None
-        summary.lost_by_um = sum(lost) / len(lost) if lost else None
+        lost = [claim for contest in decided for claim in contest.claims[1:] if claim.seat == seat]
+        summary.catches, summary.contests_lost = score, len(lost)
+        summary.contests_won = sum(contest.claims[0].seat == seat for contest in decided)
+        summary.contests_lost_to_mates = sum(claim.mate for claim in lost)
         refused = self._verdicts.keys() - {Verdict.GRANTED, Verdict.LOST_CONTEST}
         summary.refused = dict(sorted((verdict.name, self._verdicts[verdict]) for verdict in refused))
         return summary
@@ -302,9 +292,6 @@ class _PreyRecord:
             self.captures.append(
                 Capture(index, after.step, before.time_ms, now.caught_by, target.name, distance, in_play_ms)
             )
-        elif then.target is not None and not now.withdrawn:
-            summary.in_play_ms += after.time_ms - before.time_ms
         summary.times_caught, summary.out = now.times_caught, now.target is None
         if now.target is not None and self.captures and self.captures[-1].returned_ms is None:
             self.captures[-1].returned_ms, self.captures[-1].returned_as = after.time_ms, now.target
-            summary.returns += 1

@@ -5,7 +5,7 @@ from typing import Final
 
 from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.facts import Claim, Contest, HunterSummary, PreySummary
-from catch_arena.explanation.formatting import metres, millimetres, seconds
+from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import with_seat
 from catch_arena.replay.named_requests import describe_name
 from catch_arena.verdicts import REASONS, Verdict
@@ -93,11 +93,7 @@ def request_phrase(
 
 def prey_sentence(summary: PreySummary) -> str:
     """Return the summary of one prey in words."""
-    parts = [
-        f"caught {counted(summary.times_caught, 'time')}",
-        f"returned {counted(summary.returns, 'time')}",
-        f"{seconds(summary.in_play_ms)} in play",
-    ]
+    parts = [f"caught {counted(summary.times_caught, 'time')}"]
     if summary.out:
         parts.append("out at the end")
     if summary.withdrawn_ms is not None:
@@ -109,13 +105,10 @@ def summary_sentence(summary: HunterSummary, policy: ArbitrationPolicy) -> str:
     """Return the summary of one hunter in words."""
     parts = [counted(summary.catches, "catch", "catches")]
     if policy != "capstone":  # under capstone no hunter loses
-        for count, outcome, margin_um in (
-            (summary.contests_won, "won", summary.won_by_um),
-            (summary.contests_lost, "lost", summary.lost_by_um),
-        ):
-            parts.append(f"{counted(count, 'contest')} {outcome}")
-            if margin_um is not None and policy == "nearest":
-                parts[-1] += f", by {millimetres(round(margin_um))} on average"
+        parts += [
+            f"{counted(summary.contests_won, 'contest')} won",
+            f"{counted(summary.contests_lost, 'contest')} lost",
+        ]
         if summary.contests_lost_to_mates:
             parts[-1] += f", {summary.contests_lost_to_mates} to its own team-mates (R11.3)"
     if summary.refused:
@@ -123,8 +116,6 @@ def summary_sentence(summary: HunterSummary, policy: ArbitrationPolicy) -> str:
         parts.append(f"{counted(sum(summary.refused.values()), 'request')} refused ({reasons})")
     if summary.forestalled:
         parts.append(f"others caught {counted(summary.forestalled, 'target')} that it was driving to")
-    if summary.never_seen:
-        parts.append(f"others caught {counted(summary.never_seen, 'target')} that it never saw (R7.5)")
     if summary.withdrawn_ms is not None:
         parts.append(f"{summary.out} at {seconds(summary.withdrawn_ms)}")
     return f"{with_seat(summary.name, summary.seat)}: {'; '.join(parts)}."
