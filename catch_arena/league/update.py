@@ -333,7 +333,8 @@ def _play(
                 for block, players in enumerate(groups, number)
             ]
             number += len(groups)
-            play_and_store(store, blocks, executor, league.streaks, league.played.extend)
+            for results in play_and_store(store, blocks, executor, league.streaks):
+                league.played.extend(results)
 
 
 def _present_path(spec: str, folder: Path) -> str:

@@ -3,7 +3,6 @@
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from itertools import takewhile
 
 import numpy as np
 
@@ -11,7 +10,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import ForfeitStreaks, play_blocks
-from catch_arena.tournament.execution.executors import RecordedMatch, Worker, local_executor
+from catch_arena.tournament.execution.executors import Worker, local_executor
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import MAX_FORFEITS, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
@@ -143,24 +142,19 @@ def compare(
     shares_of_a: list[float] = []
     matches = 0
     forfeits: dict[str, Counter[str]] = {}
-
-    def add_to_test(block: Sequence[RecordedMatch]) -> None:
-        nonlocal matches
-        if test.decision is not None:  # the block was begun before the decision
-            return
-        played = [one for one, _ in block]
-        shares_of_a.append(design.share_of_a(played))
-        test.add(shares_of_a[-1])
-        for one in played:
-            for index, forfeit in zip(one.match.seating, one.result.forfeits, strict=True):
-                if forfeit is not None:
-                    forfeits.setdefault(entrants[index].name, Counter())[forfeit.code] += 1
-        matches += len(played)
-        progress(matches, most)
-
-    blocks = takewhile(lambda _: test.decision is None, map(design.block, plan.blocks()))
     with local_executor(Worker(config, tuple(entrants), quotas=quotas), jobs) as executor:
-        play_blocks(blocks, executor, ForfeitStreaks(MAX_FORFEITS), add_to_test)
+        for block in play_blocks(map(design.block, plan.blocks()), executor, ForfeitStreaks(MAX_FORFEITS)):
+            played = [one for one, _ in block]
+            shares_of_a.append(design.share_of_a(played))
+            test.add(shares_of_a[-1])
+            for one in played:
+                for index, forfeit in zip(one.match.seating, one.result.forfeits, strict=True):
+                    if forfeit is not None:
+                        forfeits.setdefault(entrants[index].name, Counter())[forfeit.code] += 1
+            matches += len(played)
+            progress(matches, most)
+            if test.decision is not None:
+                break
     column = np.array(shares_of_a)[:, None]
     (share,) = shares(column, np.ones_like(column))
     return Comparison(test.decision, len(shares_of_a), matches, share, test.log_likelihood_ratio, forfeits)

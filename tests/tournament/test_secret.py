@@ -48,7 +48,7 @@ def test_other_commands_draw_from_a_part_and_a_number_makes_a_secret():
 @pytest.mark.parametrize("form", FORMATS)
 def test_a_plan_has_the_seeds_of_its_blocks(form):
     secret = Secret.of(9)
-    for number, block in enumerate(plan_of(form, 6, hunters(3), 2, secret).stage(0, ())):
+    for number, block in enumerate(plan_of(form, 6, hunters(3), 2, secret).blocks()):
         assert {(match.block, match.seed) for match in block} == {(number, secret.seed("match", number))}
         for match in block:
             assert match.agent_seeds == tuple(secret.seed("agent", number, one) for one in match.seating)

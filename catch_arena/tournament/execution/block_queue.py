@@ -6,7 +6,7 @@ after its start.
 
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
 from dataclasses import dataclass, field
 from typing import Final
@@ -76,22 +76,16 @@ class _QueuedBlock:
     failures: int = 0
 
 
-def play_blocks(
-    blocks: Iterable[Block],
-    executor: Executor,
-    streaks: ForfeitStreaks,
-    on_block: Callable[[list[RecordedMatch]], None],
-) -> None:
-    """Play these blocks; only a few are begun ahead of the workers, to bound the memory.
+def play_blocks(blocks: Iterable[Block], executor: Executor, streaks: ForfeitStreaks) -> Iterator[list[RecordedMatch]]:
+    """Play these blocks, and yield the matches of each in the order of the plan.
 
-    A block may begin before earlier blocks have ended. If an earlier block excludes one of its entrants, the block is
-    played again.
+    A block may begin before earlier blocks have ended; only a few are begun ahead of the workers, to bound the memory.
+    If an earlier block excludes one of its entrants, the block is played again.
 
     Args:
         blocks: in the order of the plan.
         executor: plays them.
         streaks: decides which entrants are excluded; it is updated.
-        on_block: called with the matches of each block, in the order of the plan.
 
     Raises:
         MatchFailedError: for a block that failed on our side three times.
@@ -132,7 +126,7 @@ def play_blocks(
         for one in failed:
             begin(one)
         while queue and (matches := queue[0].matches) is not None:
-            on_block(matches)
+            yield matches
             queue.popleft()
             if streaks.add(played for played, _ in matches):
                 for one in queue:

@@ -33,7 +33,7 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
 
     Matches of the first block are tried, and not kept.
     """
-    block = next(iter(plan.stage(0, ())))
+    block = next(plan.blocks())
     seconds, sizes = 0.0, []
     foreign = worker.quotas is None and not all(is_shipped(entrant.spec) for entrant in worker.entrants)
     # a trusted agent may end the process that it plays in

@@ -1,7 +1,7 @@
 """Runner of a plan: it stores blocks, replays and logs in the order of the plan, whatever executor plays them."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import count, islice
+from itertools import islice
 from pathlib import Path
 from typing import Final
 
@@ -9,7 +9,7 @@ from catch_arena.errors import StoreError
 from catch_arena.files import prepare_folder, unwritable, write_whole
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import ForfeitStreaks, play_blocks
-from catch_arena.tournament.execution.executors import Executor, RecordedMatch
+from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.match import Block, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan
@@ -70,44 +70,27 @@ def play_plan(
                     f"{store.path}: is damaged: table match, row {block[0].id}: its block is not that of the plan"
                 )
 
-    def count_played(results: Sequence[PlayedMatch]) -> None:
-        nonlocal played
-        played += len(results)
-        progress(played, plan.size)
-
-    for number in count():
-        earlier = passed
-        blocks = without_stored(plan.stage(number, islice(store.played(), earlier)))
-        play_and_store(store, blocks, executor, streaks, count_played)
-        if passed == earlier:
-            store.end()
-            return
+    for blocks in plan.stages(lambda: islice(store.played(), passed)):
+        for results in play_and_store(store, without_stored(blocks), executor, streaks):
+            played += len(results)
+            progress(played, plan.size)
+    store.end()
 
 
 def play_and_store(
-    store: Store,
-    blocks: Iterable[Block],
-    executor: Executor,
-    streaks: ForfeitStreaks,
-    on_results: Callable[[Sequence[PlayedMatch]], None],
-) -> None:
-    """Play blocks, write them in this order, and call `on_results` with the matches of each.
-
-    The other arguments and the errors are those of `play_plan`.
-    """
+    store: Store, blocks: Iterable[Block], executor: Executor, streaks: ForfeitStreaks
+) -> Iterator[list[PlayedMatch]]:
+    """Play blocks, write them in this order, and yield the matches of each; raises the errors of `play_plan`."""
     tournament, folder = store.tournament, store.path.parent
     parties = Parties.of(tournament.config)
-
-    def store_block(recorded: Sequence[RecordedMatch]) -> None:
+    for recorded in play_blocks(blocks, executor, streaks):
         for one, replay in recorded:  # files first, so that every match in the store has its files
             if replay:
                 write_whole(prepare_folder(folder / REPLAYS) / f"{one.match.id}.replay", replay)
             add_to_logs(folder / LOGS, tournament.entrants, parties, one)
         played = [one for one, _ in recorded]
         store.add(played)
-        on_results(played)
-
-    play_blocks(blocks, executor, streaks, store_block)
+        yield played
 
 
 def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one: PlayedMatch) -> None:

@@ -47,15 +47,14 @@ class Plan:
     def __iter__(self) -> Iterator[Match]:
         return (match for block in self.blocks() for match in block)
 
-    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """Return the blocks of a stage, which do not depend on each other's results; none after the last stage.
+    def stages(self, played: Callable[[], Iterable[PlayedMatch]]) -> Iterator[Iterable[Block]]:
+        """Yield the blocks of each stage, which do not depend on each other's results; this plan has one stage.
 
         Args:
-            number: the stage, from 0. This plan has one.
-            played: all matches of the earlier stages.
+            played: returns all matches of the stages so far, when those of a stage have been played.
         """
         del played
-        return () if number else self.blocks()
+        yield self.blocks()
 
 
 def plan_of(
@@ -209,16 +208,15 @@ class UntilSeparated(Plan):
         self.last: Separation | None = None
         """Result of the last look at the standings; None before the first one."""
 
-    def stage(self, number: int, played: Iterable[PlayedMatch]) -> Iterable[Block]:
-        """Return the blocks of the rounds until the next look; none if the order is clear."""
-        del number
-        matches = list(played)
-        blocks = len({one.match.block for one in matches})
-        if matches:
-            sides = (SideResults.of(self._entrants, matches, self._parties, side) for side in self._parties.sides)
+    def stages(self, played: Callable[[], Iterable[PlayedMatch]]) -> Iterator[Iterable[Block]]:
+        """Yield the blocks of the rounds until each look at the standings; none after the order is clear."""
+        begin, parties = 0, self._parties
+        while begin * parties.block_size < self.size:
+            end = ceil(next_look(begin) / self._round) * self._round
+            yield islice(self.blocks(), begin, end)
+            begin, matches = end, list(played())
+            sides = (SideResults.of(self._entrants, matches, parties, side) for side in parties.sides)
             looks = [separation(side, self._confidence) for side in sides]
             self.last = max(looks, key=lambda look: (not look.clear, look.p))
             if self.last.clear:
-                return ()
-        rounds_then = -(-next_look(blocks) // self._round)
-        return islice(self.blocks(), blocks, rounds_then * self._round)
+                return

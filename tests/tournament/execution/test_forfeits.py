@@ -185,5 +185,5 @@ def test_a_slow_block_holds_the_rest_back_before_they_fill_the_memory():
 
     executor = OneIsSlow(field, 2, 1, loses=0.0)
     with executor.in_charge():
-        block_queue.play_blocks(blocks, executor, ForfeitStreaks(0), lambda _: None)
+        list(block_queue.play_blocks(blocks, executor, ForfeitStreaks(0)))
     assert most[0] == 2 + 256

@@ -30,7 +30,7 @@ def plans(draw):
 @settings(deadline=None, max_examples=80)
 @given(plans())
 def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan):
-    blocks = list(plan.stage(0, ()))
+    blocks = list(plan.blocks())
     assert [block[0].block for block in blocks] == list(range(len(blocks)))
     assert len({block[0].seed for block in blocks}) == len(blocks)
     for block in blocks:
@@ -41,8 +41,8 @@ def test_a_block_of_any_plan_is_one_seed_and_every_rotation_of_its_players(plan)
     ids = [match.id for block in blocks for match in block]
     assert ids == sorted(set(ids))
     assert len(ids) == plan.size
-    assert list(plan.stage(0, ())) == blocks
-    assert not list(plan.stage(1, ()))
+    assert list(plan.blocks()) == blocks
+    assert [list(stage) for stage in plan.stages(list)] == [blocks]
 
 
 def test_matches_are_counted_in_each_round_for_people():
@@ -117,7 +117,7 @@ def test_without_a_number_of_rounds_each_entrant_plays_ten_blocks(form, entrants
     """Every figure of the standings then has an interval."""
     plan = plan_of(form, entrants, hunters(seats), None, 5)
     assert plan.parameters["rounds"] == rounds
-    blocks = Counter(one for block in plan.stage(0, ()) for one in block[0].seating)
+    blocks = Counter(one for block in plan.blocks() for one in block[0].seating)
     assert min(blocks.values()) >= 10
     assert min(blocks.values()) * (rounds - 1) < 10 * rounds
 
