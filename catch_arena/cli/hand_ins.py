@@ -25,7 +25,6 @@ from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import ConfigError
 from catch_arena.files import write_whole
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.tournament.agent_spec import resolve, unique_names
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.grading_spec import GradingSpec, read_spec
 from catch_arena.tournament.isolation.sandbox import sandbox_for
@@ -56,14 +55,14 @@ def check_agent(
     quotas = trust.quotas()
     errors = 0
     with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
-        for number, finding in enumerate(check_fitness(agent, arenas, sandbox, show)):
-            if number == 0:  # the agent could be entered, so its spec is valid
-                print_level(quotas, [resolve(agent).spec])
+        (entrant,) = enter([agent], inspector(sandbox))
+        print_level(quotas, [entrant.spec])
+        for finding in check_fitness(entrant, arenas, sandbox, show):
             errors += finding.level == "error"
             echo(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
     if errors:
         raise typer.Exit(EXIT_NO)
-    echo(f"{unique_names([resolve(agent)])[0]} is fit to play")
+    echo(f"{entrant.name} is fit to play")
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Final, NamedTuple
+from typing import Final
 
 from catch_arena.classroom.similarity import similar_pairs
 from catch_arena.config import ArenaConfig
@@ -20,13 +20,13 @@ from catch_arena.league.moments import Part, matches_kept, parts_of_entrants
 from catch_arena.league.store import LeagueStore, RatingThen, Version
 from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness
-from catch_arena.tournament.agent_spec import is_shipped, resolve
+from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.block_queue import ForfeitStreaks
 from catch_arena.tournament.execution.executors import Executor, Worker, local_executor
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, log_file, play_and_store
 from catch_arena.tournament.isolation.quotas import Quotas
-from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.match import MAX_FORFEITS, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import block_of
 from catch_arena.tournament.players import inspector
@@ -41,8 +41,6 @@ _MATCHES_KEPT: Final = 20_000
 """Number of the newest matches that are kept; the ratings follow from them."""
 _LOG_KEPT: Final = 200_000
 """Part of a log that stays after a run, from its end [bytes]."""
-_MOST_FORFEITS: Final = 10
-"""Number of forfeits in a row after which a version plays no more."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,15 +57,6 @@ class Rules:
     """Largest number of matches of a version until it has its place."""
     secret_opponents: Path | None
     """Folder of further opponents, whose names are not shown."""
-
-
-class Checked(NamedTuple):
-    """Result of the check of a new version."""
-
-    entrant: Entrant | None
-    """None if it did not pass."""
-    fault: str = ""
-    log: str = ""
 
 
 @dataclass
@@ -92,7 +81,7 @@ class League:
 
     def __post_init__(self) -> None:
         self.parties = Parties.of(self.rules.config)
-        self.streaks = ForfeitStreaks(_MOST_FORFEITS)
+        self.streaks = ForfeitStreaks(MAX_FORFEITS)
         """Versions that play no more, since they forfeited too many matches in a row."""
         self.streaks.add(self.played)
 
@@ -203,7 +192,7 @@ def _opened(folder: Path, rules: Rules, secret: Secret | None) -> AbstractContex
         state.chmod(0o700)  # copies of private files, and logs
     before = Store.tournament_in(state)
     secret = secret or (before.secret if before else Secret.of(None))
-    terms = terms_of(rules.quotas, _MOST_FORFEITS, recorded=True)
+    terms = terms_of(rules.quotas, MAX_FORFEITS, recorded=True)
     entrants = before.entrants if before else ()
     about = Tournament(rules.config, entrants, {"format": "league"}, secret.text, terms)
     return LeagueStore.begin(about, state, resume=True)
@@ -246,10 +235,10 @@ def _add_versions(
                 report(f"{entry.key}: could not be checked: {error}; the next run tries again")
                 continue
             number = 1 + sum(one.entry == entry.key for one in known)
-            index = None if checked.entrant is None else len(entrants)
-            versions.append(Version(entry.key, number, entry.digest, now, index, checked.fault, checked.log))
-            if checked.entrant is not None:
-                entrants.append(replace(checked.entrant, name=entrant_name(entry, number, entrants)))
+            index = None if checked.fault else len(entrants)
+            versions.append(Version(entry.key, number, entry.digest, now, index, checked.fault or "", checked.log))
+            if index is not None:
+                entrants.append(replace(checked, name=entrant_name(entry, number, entrants)))
             if entry.kind != "shipped":
                 result = f"does not pass the check: {checked.fault}" if index is None else "enters"
                 report(f"{entry.key}: version {number} {result}")
@@ -259,8 +248,8 @@ def _add_versions(
             report(f"look at these two: {pair.first} and {pair.second}: {pair}")
 
 
-def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Checked:
-    """Inspect a new version, and let it play against itself if it does not come with the package.
+def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Entrant:
+    """Inspect a new version, let it play against itself if it does not come with the package, and return its entrant.
 
     Args:
         worker: has the sandbox of this process.
@@ -268,26 +257,28 @@ def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Chec
         scenario: name of the arena.
         fault: reason for which its files cannot be used; empty if they can be.
 
+    Returns:
+        The entrant; it has a fault if it does not pass.
+
     Raises:
         MatchFailedError: if it could not be checked, for a reason on our side.
     """
-    if fault:
-        return Checked(None, fault)
+    entrant = Entrant(agent, agent, "target", "", fault or None)
     try:
-        spec = resolve(agent).spec
-        findings = () if is_shipped(spec) else check_fitness(agent, {scenario: worker.config}, worker.sandbox)
-        for finding in findings:
-            if finding.level == "error":
-                fault, _, log = finding.text.partition("\n")
-                return Checked(None, _without_copies(fault, spec), log)
-        (entrant,) = enter([agent], inspector(worker.sandbox))
-        return Checked(entrant)
+        if not fault:
+            (entrant,) = enter([agent], inspector(worker.sandbox))
+            if not is_shipped(entrant.spec):
+                for finding in check_fitness(entrant, {scenario: worker.config}, worker.sandbox):
+                    if finding.level == "error":
+                        fault, _, log = finding.text.partition("\n")
+                        return replace(entrant, fault=_without_copies(fault, entrant.spec), log=log)
     except AgentError as error:
-        return Checked(None, _without_copies(str(error), agent))
+        return replace(entrant, fault=_without_copies(str(error), agent))
     except OSError as error:
         raise MatchFailedError(str(error)) from None
     finally:
         worker.close()
+    return entrant
 
 
 def _without_copies(text: str, agent: str) -> str:

@@ -5,17 +5,14 @@ from dataclasses import dataclass
 from typing import Final, Literal
 
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import AgentError
 from catch_arena.policy import PreyView, player_limits
 from catch_arena.text import last_lines
-from catch_arena.tournament.agent_spec import resolve
-from catch_arena.tournament.entrants import SHIPPED_PREY, Inspection, enter
+from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import inspector
 from catch_arena.verdicts import REASONS, Verdict
 
 _SEED: Final = 0
@@ -34,7 +31,7 @@ class Finding:
 
 
 def check_fitness(
-    spec: str,
+    entrant: Entrant,
     arenas: Mapping[str, ArenaConfig],
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
@@ -44,25 +41,17 @@ def check_fitness(
     In the first arena without a forfeit it plays twice, to check that equal seeds give equal matches.
 
     Args:
-        spec: the agent, as `enter` takes it.
+        entrant: the agent.
         arenas: settings of the arenas, by name.
         sandbox: runs agents that are not trusted; None if all are trusted.
         progress: called with (done, total) before each match.
 
     Raises:
-        AgentError: if the spec names no agent.
         MatchFailedError: if a match could not be held.
     """
-    resolved = resolve(spec).spec
-    try:
-        inspection = inspector(sandbox)(resolved)
-    except AgentError as error:  # it is trusted
-        inspection = Inspection(fault=str(error))
-    copies = enter([spec] * max(len(Parties.of(config)) for config in arenas.values()), lambda _: inspection)
-    entrant = copies[0]
 
     def play(config: ArenaConfig) -> MatchResult:
-        return play_entrants(config, _SEED, copies[: len(Parties.of(config))], sandbox)
+        return play_entrants(config, _SEED, [entrant] * len(Parties.of(config)), sandbox)
 
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(entrant.log)}")

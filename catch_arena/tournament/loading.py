@@ -12,7 +12,7 @@ from pathlib import Path
 from types import ModuleType
 from typing import Final
 
-from catch_arena.errors import AgentError, CatchArenaError, reason, suggest
+from catch_arena.errors import AgentError, CatchArenaError, ConfigError, reason, suggest
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
 from catch_arena.tournament.agent_spec import (
     COMMAND,
@@ -93,10 +93,11 @@ def agent_module(spec: str) -> ModuleType:
     """Return the module with the class of a spec; it is imported only once, also for processes that are forked later.
 
     Raises:
-        AgentError: for a command, or a module that cannot be imported.
+        ConfigError: for a command.
+        AgentError: for a module that cannot be imported.
     """
     if spec.startswith(COMMAND):
-        raise AgentError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
+        raise ConfigError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
     if (file := file_of(spec)) is not None:
         return load_file(file, folder_of(spec))
     return load_module(spec.partition(":")[0])
@@ -106,7 +107,7 @@ def agent_class(spec: str, side: Side = "hunter") -> type:
     """Return the class of a spec, or the class `Prey` next to it.
 
     Raises:
-        AgentError: for a command, a module that cannot be imported, or a module without that class.
+        AgentError: for a module that cannot be imported, or has no such class.
     """
     module = agent_module(spec)
     name = _PREY if side == "prey" else "Agent" if file_of(spec) is not None else spec.partition(":")[2]

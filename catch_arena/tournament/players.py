@@ -292,7 +292,10 @@ def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
 
     def inspect(spec: str) -> Inspection:
         if sandbox is None or is_shipped(spec):
-            return inspect_agent(spec)
+            try:
+                return inspect_agent(spec)
+            except AgentError as error:
+                return Inspection(fault=str(error))
         with Players([Entrant(spec, spec, "target", "")], sandbox) as players:
             return players.inspect()
 

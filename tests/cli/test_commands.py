@@ -47,6 +47,18 @@ def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_pat
     assert verified.stdout.count("all 30 steps play as recorded") == 2
 
 
+def test_a_trusted_agent_that_cannot_begin_forfeits_as_an_isolated_one_does(catch_arena, tmp_path):
+    (tmp_path / "no_agent.py").write_text("1 / 0\n")
+    printed = []
+    for words in ([], ["--trusted", "--force"]):
+        result = catch_arena("match", "no_agent.py", "nearest", *QUICK, "--seed", "1", *words)
+        assert result.exit_code == 0, result.output
+        assert "warning: no_agent cannot begin, and forfeits its matches: " in result.stderr
+        printed.append(result.stdout.splitlines()[:2])
+    assert printed[0] == printed[1]
+    assert "FORFEIT_INIT before the first step: " in printed[0][1]
+
+
 SPOKEN = (
     "class Agent:\n    def reset(self, seed): print('los, 亀')\n    def act(self, view): raise ValueError('zu spät')\n"
 )

@@ -57,6 +57,12 @@ def test_what_would_forfeit_is_explained_and_the_exit_code_is_1(check, source, w
     assert "plays the same match again" not in result.output
 
 
+def test_a_trusted_one_that_cannot_begin_is_explained_too(check):
+    result = check("class Agnet: pass\n", *QUICK, "--trusted")
+    assert result.exit_code == 1
+    assert re.search(r"^error: +cannot begin: .*did you mean Agnet\?\n$", result.stdout)
+
+
 def test_one_that_hangs_is_tried_in_two_arenas(check):
     result = check(HEAD + "while True: pass\n", "--limit", "step_ms=50", "--limit", "bank_s=0")
     assert result.exit_code == 1

@@ -156,6 +156,13 @@ def test_a_failure_is_told_with_the_hint_that_fits(grade, source, limits, words)
         assert word in result.output, result.output
 
 
+def test_a_trusted_agent_that_cannot_begin_fails_all_tests(grade):
+    Path("mine.py").write_text("class Agent\n")
+    result = grade("mine.py", "--trusted")
+    assert result.exit_code == 1
+    assert result.stdout.count("importing it raised SyntaxError") == 2
+
+
 @pytest.mark.parametrize(
     ("settings", "empty"),
     [

@@ -97,7 +97,7 @@ def require_same(worker: Worker, expected: tuple[tuple[str, str], ...]) -> None:
     """Check that agents and versions are those of the machine that began; each Ray process checks it once.
 
     Raises:
-        AgentError: if an agent's file is missing or different on this machine.
+        AgentError: if an agent's file is missing or different on this machine, or cannot begin on it.
         ConfigError: if a package has another version on this machine.
     """
     here = versions()
@@ -105,8 +105,11 @@ def require_same(worker: Worker, expected: tuple[tuple[str, str], ...]) -> None:
         if here[name] != wanted:
             raise ConfigError(f"{name} must be {wanted} on every machine, got {here[name]} on {platform.node()}")
     for entrant in (one for one in worker.entrants if one.fault is None):
-        digest = enter([entrant.spec], inspector(worker.sandbox))[0].digest
-        if digest != entrant.digest:
+        (there,) = enter([entrant.spec], inspector(worker.sandbox))
+        if there.fault is not None:
+            raise AgentError(f"{entrant.name}: cannot begin on {platform.node()}: {there.fault}")
+        if there.digest != entrant.digest:
             raise AgentError(
-                f"{entrant.name}: digest must be {entrant.digest} on every machine, got {digest} on {platform.node()}"
+                f"{entrant.name}: digest must be {entrant.digest} on every machine, "
+                f"got {there.digest} on {platform.node()}"
             )

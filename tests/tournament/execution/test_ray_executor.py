@@ -11,7 +11,7 @@ from tournament.agents import dies_once
 
 from catch_arena import scenario
 from catch_arena.errors import AgentError, ConfigError
-from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.execution.ray_executor import require_same
 from catch_arena.tournament.export import export
@@ -65,3 +65,7 @@ def test_a_machine_with_other_versions_or_another_agent_does_not_play(tmp_path):
         file.write("# another\n")
     with pytest.raises(AgentError, match=r"mine: digest must be \w{16} on every machine, got \w{16} on "):
         require_same(worker, ())
+    (tmp_path / "lacks.py").write_text("import no_such_module\n")
+    lacks = Entrant("lacks", str(tmp_path / "lacks.py"), "target", "")
+    with pytest.raises(AgentError, match=r"lacks: cannot begin on .*: it imports no_such_module"):
+        require_same(Worker(scenario("duel"), (lacks,)), ())
