@@ -175,12 +175,12 @@ def _plan(
     def plan_with(number: int | None) -> "Plan":
         return plan_of(form, len(entrants), parties, number, secret, most)
 
-    if until_separated is not None:
-        return UntilSeparated(entrants, until_separated, most, plan_with, parties)
-    plan = plan_with(rounds)
-    if max_matches is not None and (a_round := plan.size // int(plan.parameters["rounds"])) > max_matches:
-        raise ConfigError(f"--max-matches must be at least {a_round}, the matches of one round, got {max_matches}")
-    return plan
+    in_a_round = plan_with(1).size
+    if in_a_round > most and (max_matches is not None or until_separated is not None):
+        raise ConfigError(f"--max-matches must be at least {in_a_round}, the matches of one round, got {most}")
+    if until_separated is None:
+        return plan_with(rounds)
+    return UntilSeparated(plan_with(most // in_a_round), entrants, parties, until_separated)
 
 
 def _print_standings(tables: "dict[Side, list[Standing]]", entrants: tuple[Entrant, ...]) -> None:

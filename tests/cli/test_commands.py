@@ -20,9 +20,10 @@ ROOT = Path(__file__).parents[2]
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 
 
-def test_a_round_never_has_more_matches_than_the_user_allows(tmp_path, monkeypatch):
+@pytest.mark.parametrize("words", [["--rounds", "1"], ["--until-separated", "0.95"]])
+def test_a_round_never_has_more_matches_than_the_user_allows(tmp_path, monkeypatch, words):
     monkeypatch.chdir(tmp_path)
-    refused = run("tournament", *["idle"] * 12, "--rounds", "1", "--max-matches", "20")
+    refused = run("tournament", *["idle"] * 12, *words, "--max-matches", "20")
     assert refused.exit_code == 2
     assert "--max-matches must be at least 48, the matches of one round, got 20" in refused.stderr
 

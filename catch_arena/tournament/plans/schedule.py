@@ -30,7 +30,7 @@ MOST_IN_A_ROUND: Final = 20_000
 _BLOCKS_OF_EACH: Final = 10
 """Smallest number of blocks for each entrant if no rounds are given: all figures have an interval then."""
 BUDGET: Final = 10_000
-"""Default budget of a plan that goes on until the order is clear [matches]."""
+"""Usual largest number of matches of a plan that goes on until the order is clear."""
 
 
 @dataclass
@@ -172,36 +172,26 @@ def block_of(players: Sequence[int], secret: Secret, number: int, name: str, par
 
 
 class UntilSeparated(Plan):
-    """Plan of whole rounds of a format, which ends after the first stage whose standings have a clear order.
+    """Plan that ends after the first stage, of whole rounds, whose standings have a clear order.
 
-    The budget is not one of the plan's parameters: a resumed tournament may raise it.
+    The number of rounds is not one of its parameters: a resumed tournament may raise it.
 
     Args:
-        rounds: function that makes the format's plan with a given number of rounds.
-        budget: largest number of matches.
+        plan: with the largest number of rounds.
+        entrants: the entrants.
         parties: the parties of the arena; with prey the order of each side must be clear.
+        confidence: probability with which the order is right.
 
     Raises:
-        ConfigError: for a confidence outside [0.5, 1), or a budget smaller than the matches of one round.
+        ConfigError: for a confidence outside [0.5, 1).
     """
 
-    def __init__(
-        self,
-        entrants: Sequence[Entrant],
-        confidence: float,
-        budget: int,
-        rounds: Callable[[int], Plan],
-        parties: Parties,
-    ) -> None:
+    def __init__(self, plan: Plan, entrants: Sequence[Entrant], parties: Parties, confidence: float) -> None:
         if not 0.5 <= confidence < 1:
             raise ConfigError(f"confidence must lie in [0.5, 1), such as 0.95, got {confidence}")
-        one = rounds(1)
-        if budget < one.size:
-            raise ConfigError(f"max_matches must be at least {one.size}, the matches of one round, got {budget}")
-        whole = rounds(budget // one.size)
-        kept = {name: value for name, value in one.parameters.items() if name != "rounds"}
-        super().__init__({**kept, "until_separated": confidence}, whole.size, whole.blocks)
-        self._round = one.size // parties.block_size
+        kept = {name: value for name, value in plan.parameters.items() if name != "rounds"}
+        super().__init__({**kept, "until_separated": confidence}, plan.size, plan.blocks)
+        self._round = plan.size // parties.block_size // int(plan.parameters["rounds"])
         self._entrants, self._parties = entrants, parties
         # with two orders, each gets half of the allowed error
         self._confidence = confidence if len(parties.sides) == 1 else (1.0 + confidence) / 2.0
