@@ -1,4 +1,4 @@
-"""The arena as a PettingZoo AEC environment: PettingZoo's own wrapper, in which the call that gives an illegal action
+"""The arena as a PettingZoo AEC environment: PettingZoo's own wrappers, in which the call that gives an illegal action
 also raises its error.
 """
 
@@ -38,13 +38,20 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
 
     def __init__(self, parallel: CatchArenaEnv) -> None:
         require_type("parallel", parallel, CatchArenaEnv, "parallel_env(name)")
-        super().__init__(_CheckedAec(parallel))
+        super().__init__(parallel_to_aec_wrapper(parallel))
         self.world = parallel.world
         self.digest = parallel.digest
         self.withdraw = parallel.withdraw
         self.record = parallel.record
         self.replay = parallel.replay
         self._parallel = parallel
+        self._constants = dict(vars(self.env))
+        """Attributes of PettingZoo's wrapper that no episode changes."""
+
+    @property
+    def unwrapped(self) -> "_Unwrapped":
+        """Parallel env together with the attributes of PettingZoo's wrapper."""
+        return _Unwrapped(self.env)
 
     def _repr_html_(self) -> str:
         """Return the HTML that a notebook shows for the parallel env."""
@@ -56,12 +63,8 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         Raises:
             ConfigError: as the parallel env's; no episode has begun then.
         """
-        begun = self._has_reset, self._has_updated
-        try:
-            super().reset(seed, options)
-        except ConfigError:
-            self._has_reset, self._has_updated = begun
-            raise
+        self.env.reset(seed, options)
+        self._has_reset = self._has_updated = True
 
     def step(self, action: Any) -> None:
         """Take the action of the agent whose turn it is; an illegal action changes nothing.
@@ -71,7 +74,13 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             EpisodeError: outside an episode.
         """
         self._require_turn("step")
-        super().step(action)
+        self._has_updated = True  # a loop over the turns may go on after an illegal action too
+        agent = self.agent_selection
+        if not self.terminations[agent] and not self.truncations[agent]:
+            self._parallel.check_action(agent, action)  # else the last turn would raise, for another agent
+        elif action is not None:
+            raise ActionError(f"{agent}: an action must be None after the agent's end, got {shortened(action)}")
+        self.env.step(action)
 
     def last(self, observe: bool = True) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Return observation, reward, termination, truncation and info of the agent whose turn it is.
@@ -89,11 +98,8 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         Raises:
             ActionError: for an unknown agent.
         """
-        try:
-            return super().observe(agent)
-        except (KeyError, TypeError):
-            self._parallel.action_space(agent)  # raises
-            raise
+        self._parallel.action_space(agent)  # raises for an unknown agent
+        return super().observe(agent)
 
     def save(self) -> SavedTurn:
         """R10.2: return the state of the episode, also between two turns. `restore` takes it any number of times, in
@@ -102,7 +108,8 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         Raises:
             EpisodeError: before the first reset.
         """
-        return SavedTurn(self._parallel.save(), self.env.save_turns())
+        turns = {name: value for name, value in vars(self.env).items() if name not in self._constants}
+        return SavedTurn(self._parallel.save(), copy.deepcopy(turns))
 
     def restore(self, saved: SavedTurn) -> None:
         """Continue from a saved episode, bit for bit; `last` returns the same as before `save`.
@@ -113,7 +120,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         if not isinstance(saved, SavedTurn):
             raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
         self._parallel.restore(saved.episode)
-        self.env.restore_turns(saved.turns)
+        self.env.__dict__ = self._constants | copy.deepcopy(saved.turns)
         self._has_reset = self._has_updated = True
 
     def clone(self) -> "CatchArenaAecEnv":
@@ -131,50 +138,18 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             raise EpisodeError(f"cannot call {method}(): the episode is over; call reset() first")
 
 
-class _CheckedAec(parallel_to_aec_wrapper):  # type: ignore[misc]
-    """PettingZoo's wrapper with a check in each turn: alone it would raise in the last turn, for another agent."""
-
-    env: CatchArenaEnv
-
-    def __init__(self, parallel: CatchArenaEnv) -> None:
-        super().__init__(parallel)
-        self._constant_names = frozenset(vars(self)) | {"_constant_names"}
-
-    def save_turns(self) -> dict[str, Any]:
-        """Return a copy of all attributes that an episode changes in this wrapper."""
-        return copy.deepcopy({name: value for name, value in vars(self).items() if name not in self._constant_names})
-
-    def restore_turns(self, saved: dict[str, Any]) -> None:
-        """Restore the result of `save_turns`."""
-        self.__dict__ = {name: vars(self)[name] for name in self._constant_names} | copy.deepcopy(saved)
-
-    @property
-    def unwrapped(self) -> "_Unwrapped":
-        """Parallel env together with the attributes of this wrapper."""
-        return _Unwrapped(self)
-
-    def step(self, action: Any) -> None:
-        agent = self.agent_selection
-        if self.terminations[agent] or self.truncations[agent]:
-            if action is not None:
-                raise ActionError(f"{agent}: an action must be None after the agent's end, got {shortened(action)}")
-        else:
-            self.env.check_action(agent, action)
-        super().step(action)
-
-
 class _Unwrapped:
-    """Object that wrappers find as `unwrapped`: attributes of this AEC env, else those of the parallel env.
+    """Object that wrappers find as `unwrapped`: attributes of PettingZoo's wrapper, else those of the parallel env.
 
     PettingZoo's TerminateIllegalWrapper reads and writes these attributes, and PettingZoo's test does not accept a
     wrapper as `unwrapped`.
     """
 
-    def __init__(self, aec: _CheckedAec) -> None:
+    def __init__(self, aec: Any) -> None:
         object.__setattr__(self, "_aec", aec)
 
     def __getattr__(self, name: str) -> Any:
-        aec: _CheckedAec = object.__getattribute__(self, "_aec")
+        aec = object.__getattribute__(self, "_aec")
         return getattr(aec if hasattr(aec, name) else aec.env, name)
 
     def __setattr__(self, name: str, value: object) -> None:

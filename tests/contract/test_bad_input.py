@@ -217,6 +217,21 @@ def test_steps_at_the_wrong_time_are_refused_under_aec_too():
     assert env.world().step == 1
 
 
+def test_a_loop_over_the_turns_goes_on_after_an_illegal_action():
+    """The same agent is asked again."""
+    env = catch_arena.env("duel", max_cycles=1)
+    env.reset(seed=1)
+    asked = []
+    for agent in env.agent_iter(3):
+        asked.append(agent)
+        if len(asked) == 1:
+            with pytest.raises(ActionError):
+                env.step(99)
+        else:
+            env.step(0)
+    assert asked == ["hunter_0", "hunter_0", "hunter_1"]
+
+
 @pytest.mark.parametrize(
     "arguments",
     [
