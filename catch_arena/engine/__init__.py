@@ -4,7 +4,7 @@ envs/.
 - engine: `Engine`, which the envs, the service and the replays use, and its `SavedState`.
 - compiling: compilation of the core, once in a process, and its message.
 - core_settings: a config as the core's numbers. episode_seeds: the seed of each episode.
-- chunk_views: views of the memory by content. world_reading: the memory read as a World.
+- reading: what people read in the memory, which `Engine` inherits: worlds, rulings, digests.
 """
 
 from catch_arena.engine.engine import Engine as Engine

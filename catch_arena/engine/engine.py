@@ -2,7 +2,6 @@
 service do.
 """
 
-import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property, partial
@@ -22,22 +21,18 @@ from catch_arena.core.memory import (
     lay_out,
     offset_of,
     sections_of,
-    settings_in,
 )
 from catch_arena.core.prey import withdraw_prey_at
 from catch_arena.core.state import ALL_OPTIONS
 from catch_arena.core.vectors import LANES, PLAYED, SINGLE, WIDE
-from catch_arena.engine.chunk_views import RULING, ChunkViews, row_of
 from catch_arena.engine.compiling import announced
 from catch_arena.engine.core_settings import limits_by_seat, section_shapes, settings_of
-from catch_arena.engine.world_reading import read_rulings, read_world
+from catch_arena.engine.reading import ArenaReader, row_of
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError
 from catch_arena.seeding import checked_seed
 from catch_arena.text import shortened
 from catch_arena.threads import run_in_threads
-from catch_arena.verdicts import Ruling
-from catch_arena.world import World
 
 _HUNTERS_A_PART: Final = 4096
 """Least number of hunters that a thread plays at a time: fewer are not worth the cost of waking it."""
@@ -64,7 +59,7 @@ class SavedState(EqualByBits):
     """Records of finished episodes, of an engine with `auto_reset`; otherwise empty."""
 
 
-class Engine:
+class Engine(ArenaReader):
     """A batch of arenas of one config, played in lockstep.
 
     Args:
@@ -118,7 +113,7 @@ class Engine:
         with announced(batch=num_arenas > 1, all_rules=options == ALL_OPTIONS):
             tick.run(self._kind, memory, 0, 0, 0, _NO_RESETS, True, *_NO_ACTIONS)  # plays no chunk
         spare = num_arenas - (self._num_chunks - 1) * LANES  # lanes without an arena hold only withdrawn hunters
-        self._views.hunters[-1, :, row_of(rows.WITHDRAWN), spare:] = 1.0
+        self._hunters[-1, :, row_of(rows.WITHDRAWN), spare:] = 1.0
 
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Bind the memory's sections to attributes."""
@@ -137,14 +132,7 @@ class Engine:
         self.final_masks = sections.final_masks
         self.lengths = sections.lengths
         self.records = sections.records
-        regions = state.regions_of(settings_in(sections.settings, ALL_OPTIONS))
-        self._views = ChunkViews(self.config, regions, self.chunks, sections.target_orders)
-        self.ruling_rows = self._views.hunters[0, :, RULING, 0]
-        """R5.6: answers of the first arena in its last step: (H, 4). Columns: the target's number, 0 for none; verdict;
-        distance [micrometres] and winner's seat, -1 for none. Verdict 0 is no request; ignore the other columns then.
-        """
-        self.caught_by = self._views.prey[0, :, row_of(rows.CAUGHT_BY), 0]
-        """R12.3: seat that caught each prey of the first arena in its last step, -1 for none: (P,)."""
+        self._bind_views(sections)
         saved, finished = offset_of("chunks", memory), offset_of("final_observations", memory)
         self._saved, self._finished = memory[saved:finished], memory[finished:]
         arrays: tuple[NDArray[Any], ...] = sections
@@ -284,41 +272,6 @@ class Engine:
         self._observe([arena])
         return killed
 
-    # reading
-
-    def rulings(self, arena: int) -> tuple[Ruling, ...]:
-        """R5.6: return the verdicts of the last step with their evidence, by seat."""
-        return read_rulings(self.config, self._views, arena)
-
-    def world(self, arena: int = 0) -> World:
-        """Return one arena as a World, with names."""
-        return read_world(self.config, self._views, arena)
-
-    def rank_of(self, arena: int, seat: int, name: str) -> int:
-        """R7.1: return the rank at which a seat sees the target of that name; 0 if it does not see it."""
-        names = [self.config.target_name(number) for number in self.numbers_seen(seat)[arena] if number]
-        return names.index(name) + 1 if name in names else 0
-
-    def numbers_seen(self, seat: int) -> NDArray[np.int64]:
-        """R7.1: return the numbers of the targets that a seat sees in each arena, by rank: (B, ranks), 0 for none."""
-        return self._views.numbers_seen(seat)[: self.num_arenas]
-
-    def active_targets(self) -> NDArray[np.int64]:
-        """R4.1: return the numbers of the hunters' active targets in each arena: (B, H), 0 for none."""
-        return self._views.active_targets()[: self.num_arenas]
-
-    def seeds(self) -> NDArray[np.uint64]:
-        """Return the seeds of the current episodes: (B,)."""
-        return self._views.seeds()[: self.num_arenas]
-
-    def state(self, arena: int = 0) -> NDArray[np.float64]:
-        """A.8: return the numbers of one arena's state, (n,), in the order in which the digest reads them."""
-        return self._views.state(arena)
-
-    def digest(self, arena: int = 0) -> bytes:
-        """A.8: return the digest of one arena's state, eight bytes."""
-        return hashlib.blake2b(self.state(arena).astype("<f8", copy=False).tobytes(), digest_size=8).digest()
-
     # saving
 
     def save(self, arena: int | None = None) -> SavedState:
@@ -383,7 +336,7 @@ class Engine:
         if arena is None:
             return self.controls, [self._saved], [self._finished] if self.auto_reset else []
         (chunk, lane), row = divmod(arena, LANES), slice(arena, arena + 1)
-        memory: list[NDArray[Any]] = [self._views.fields[chunk, :, lane], self._views.target_orders[chunk, :, :, lane]]
+        memory: list[NDArray[Any]] = [self._fields[chunk, :, lane], self._target_orders[chunk, :, :, lane]]
         memory += [section[row] for section in self._saved_rows]
         return self.controls[row], memory, [section[row] for section in self._finished_rows]
 
