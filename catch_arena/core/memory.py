@@ -11,7 +11,7 @@ import itertools
 import math
 import mmap
 from collections.abc import Mapping
-from typing import Annotated, Any, Final, NamedTuple
+from typing import Annotated, Any, Final, NamedTuple, get_args
 
 import numpy as np
 from llvmlite import ir
@@ -19,9 +19,13 @@ from numba import from_dtype, types
 from numba.extending import models, register_model
 from numpy.typing import NDArray
 
+from catch_arena.core import rows
 from catch_arena.core.addresses import ArrayAt, product
+from catch_arena.core.arbiter import REQUEST_COLUMNS
 from catch_arena.core.extending import INT64, compiled_as, constant_at, fields_as, packed, unpacked
-from catch_arena.core.state import Options, PlainSettings, Settings
+from catch_arena.core.state import MOST, PART_NAMES, PREY_PART_NAMES, Options, PlainSettings, SeatLimits, Settings
+from catch_arena.core.transfers import TILE
+from catch_arena.core.vectors import LANES, WIDE
 
 Bytes = NDArray[np.uint8]
 
@@ -31,144 +35,131 @@ _HUGE_PAGE: Final = 1 << 21
 """Size of a huge page [bytes]."""
 
 
-class Section(NamedTuple):
-    """Element type and number of dimensions of a section's array."""
+class Shape:
+    """Shape of a section. A name stands for a size that differs by engine: see `core_settings.sizes_of`. If the first
+    is "threads", each thread uses only its own part.
+    """
 
-    dtype: type[np.generic]
-    ndim: int
-    by_thread: bool = False
-    """True if the first dimension counts threads, each of which uses only its own part."""
+    def __init__(self, *sizes: int | str) -> None:
+        self.sizes, self.by_thread = sizes, sizes[0] == "threads"
 
 
-# `Section` repeats the element type and dimensions for the program: NumPy's annotations serve type checkers only.
-Floats1 = Annotated[NDArray[np.float32], Section(np.float32, 1)]
-Floats2 = Annotated[NDArray[np.float32], Section(np.float32, 2)]
-Floats3 = Annotated[NDArray[np.float32], Section(np.float32, 3)]
-ScratchFloats1 = Annotated[NDArray[np.float32], Section(np.float32, 2, by_thread=True)]
-Doubles1 = Annotated[NDArray[np.float64], Section(np.float64, 1)]
-Doubles2 = Annotated[NDArray[np.float64], Section(np.float64, 2)]
-Doubles3 = Annotated[NDArray[np.float64], Section(np.float64, 3)]
-ScratchDoubles1 = Annotated[NDArray[np.float64], Section(np.float64, 2, by_thread=True)]
-ScratchDoubles2 = Annotated[NDArray[np.float64], Section(np.float64, 3, by_thread=True)]
-ScratchKeys1 = Annotated[NDArray[np.int32], Section(np.int32, 2, by_thread=True)]
-Integers1 = Annotated[NDArray[np.int64], Section(np.int64, 1)]
-ScratchIntegers2 = Annotated[NDArray[np.int64], Section(np.int64, 3, by_thread=True)]
-Bytes3 = Annotated[NDArray[np.int8], Section(np.int8, 3)]
-ScratchBytes2 = Annotated[NDArray[np.int8], Section(np.int8, 3, by_thread=True)]
-Flags1 = Annotated[NDArray[np.int8], Section(np.int8, 1)]
-Flags2 = Annotated[NDArray[np.int8], Section(np.int8, 2)]
-Flags3 = Annotated[NDArray[np.int8], Section(np.int8, 3)]
+Float32s = NDArray[np.float32]
+Float64s = NDArray[np.float64]
+Int8s = NDArray[np.int8]
+Int32s = NDArray[np.int32]
+Int64s = NDArray[np.int64]
 
 
 class Sections(NamedTuple):
     """Sections of an engine's memory: B arenas in chunks; N agents, H hunters and then P prey; K targets seen.
 
-    Each field's type gives its element type and its number of dimensions. A section that a scenario or a batch does not
-    need is empty. The order matters where a line says so: adjacent sections are saved and copied together.
+    Each field's type gives its element type and its shape. A section that a scenario or a batch does not need is empty.
+    The order matters where a line says so: adjacent sections are saved and copied together.
     """
 
     # ---- tables and scratch: not saved ----
 
-    settings: Doubles1
+    settings: Annotated[Float64s, Shape(len(Settings._fields))]
     """Values of `Settings`, in the order of its fields."""
-    start_poses: Doubles2
+    start_poses: Annotated[Float64s, Shape("start_poses", 3)]
     """Start poses of the hunters, x, y [m] and heading [rad]: (H, 3), or (0, 3) for the fair circle (R2.6)."""
-    controls: Flags2
+    controls: Annotated[Int8s, Shape("arenas", "hunters")]
     """R4.1, R4.4: control of each hunter, a number of `controllers.CONTROLS`: (B, H). A caller that changes it must
     pass matching `choices` and `commands`.
     """
-    limits: Doubles2
+    limits: Annotated[Float64s, Shape("hunters", len(SeatLimits._fields))]
     """Limits of the hunters, `SeatLimits` in the order of its fields: (H, 4)."""
-    teams: Integers1
+    teams: Annotated[Int64s, Shape("hunters")]
     """R11.1: lowest seat of each seat's team, which stands for the team: (H,)."""
-    team_seats: Integers1
+    team_seats: Annotated[Int64s, Shape("teams")]
     """R11.1: lowest seat of each team, in the order of the teams: (teams,); empty without teams."""
-    keys: ScratchKeys1
+    keys: Annotated[Int32s, Shape("threads", MOST * LANES)]
     """Sorting keys, by slot or seat: rows of LANES."""
-    positions: ScratchDoubles1
+    positions: Annotated[Float64s, Shape("threads", MOST * 2 * len(WIDE))]
     """Positions of the hunters, in one group of lanes: see `ranking.note_positions`."""
-    target_tiles: ScratchDoubles1
+    target_tiles: Annotated[Float64s, Shape("threads", (MOST + 1) * len(WIDE) * TILE)]
     """Tiles of the targets in one group of lanes, by slot and lane: see tiles.py."""
-    body_tiles: ScratchDoubles1
+    body_tiles: Annotated[Float64s, Shape("threads", (MOST + 1) * len(WIDE) * TILE)]
     """Tiles of the hunters, or of all prey, in one group of lanes, by index and lane: see tiles.py."""
-    staging: ScratchFloats1
+    staging: Annotated[Float32s, Shape("threads", "staging")]
     """Observations of one group of lanes, in the order of the memory."""
-    requests: ScratchIntegers2
+    requests: Annotated[Int64s, Shape("threads", "hunters", REQUEST_COLUMNS)]
     """Open requests of one lane: see `arbiter`."""
-    scratch_rows: ScratchDoubles1
+    scratch_rows: Annotated[Float64s, Shape("threads", (2 + len(PART_NAMES)) * LANES)]
     """Rows of LANES, for counts and other temporary numbers of a phase."""
-    requested_slots: ScratchDoubles2
+    requested_slots: Annotated[Float64s, Shape("threads", "hunters", LANES)]
     """Request of each seat in this step: a slot, NO_TARGET or MALFORMED_REQUEST: (H, LANES)."""
-    rival_orders: ScratchBytes2
+    rival_orders: Annotated[Int8s, Shape("threads", "hunters", "rival_ranks")]
     """R7.1: rivals of each seat, nearest first, a `state.Order` each: (H, ranks * LANES)."""
-    progress_references: ScratchDoubles2
+    progress_references: Annotated[Float64s, Shape("threads", "hunters", 3 * LANES)]
     """R6.2's progress, by seat, three rows: position x and y [m] of the target that was nearest after the commit, and
     its distance then [m], or NOT_MEASURED.
     """
-    team_rows: ScratchDoubles1
+    team_rows: Annotated[Float64s, Shape("threads", "team_rows")]
     """R11.2: two groups of rows, one row for each hunter; empty without teams. The first has the catches of each team,
     under the seat that stands for it; the second has the earnings of each seat before they are shared.
     """
-    prey_references: ScratchDoubles2
+    prey_references: Annotated[Float64s, Shape("threads", "prey", 4 * LANES)]
     """R12.5's gain, by index, four rows: see `prey.IN_PLAY` and the constants after it."""
-    gathered_prey: ScratchDoubles2
+    gathered_prey: Annotated[Float64s, Shape("threads", "prey", rows.WITHDRAWN + LANES)]
     """R12.4: body of each prey, by index, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
-    snapshot: ScratchDoubles1
+    snapshot: Annotated[Float64s, Shape("threads", "chunk")]
     """Copy of the chunk before the step, if some of its arenas had ended."""
     # ---- saved, from here to the end; all but chunks and target_orders have a row for each arena ----
-    chunks: Doubles2
+    chunks: Annotated[Float64s, Shape("chunks", "chunk")]
     """Arena memory, (chunks, rows * LANES): see `rows`."""
-    target_orders: Bytes3
+    target_orders: Annotated[Int8s, Shape("chunks", "hunters", "target_ranks")]
     """R7.1: targets of each seat, nearest first, a `state.Order` each: (chunks, H, K * LANES)."""
-    rewards: Doubles2
+    rewards: Annotated[Float64s, Shape("arenas", "agents")]
     """R6.2, R12.5: rewards of the last step, (B, N)."""
-    parts: Doubles3
+    parts: Annotated[Float64s, Shape("arenas_with_parts", "hunters", len(PART_NAMES))]
     """R6.2: parts of the hunters' rewards, (B, H, parts), in the order of `state.PART_NAMES`; or empty."""
-    prey_parts: Doubles3
+    prey_parts: Annotated[Float64s, Shape("arenas_with_parts", "prey", len(PREY_PART_NAMES))]
     """R12.5: parts of prey's rewards, (B, P, parts), in the order of `state.PREY_PART_NAMES`; or empty."""
-    observations: Floats3
+    observations: Annotated[Float32s, Shape("arenas", "agents", "columns")]
     """R7.1, R12.4: observations, (B, N, columns); zeros fill those of the side that sees less."""
-    masks: Flags3
+    masks: Annotated[Int8s, Shape("arenas", "hunters", "choices")]
     """R7.2: masks of ranks, 0 or 1, (B, H, K + 1)."""
-    ends: Flags1
+    ends: Annotated[Int8s, Shape("arenas")]
     """R1.5: state of each episode after the last step: RUNNING, TERMINATED or TRUNCATED, (B,)."""
-    active: Flags2
+    active: Annotated[Int8s, Shape("arenas_with_active", "agents")]
     """R1.7, R12.3: 1 for hunters that take part and prey that is in play, else 0, (B, N); empty if hunters cannot drop
     out and there is no prey.
     """
-    team_scores: Doubles2
+    team_scores: Annotated[Float64s, Shape("arenas", "teams")]
     """R11.1: scores of the teams, (B, teams)."""
     # ---- kept by auto_reset only: last, since engines without it take a saved state up to here ----
-    final_observations: Floats3
+    final_observations: Annotated[Float32s, Shape("arenas_with_records", "agents", "columns")]
     """Last observations of each arena's latest ended episode, (B, N, columns); empty without auto_reset."""
-    final_masks: Flags3
+    final_masks: Annotated[Int8s, Shape("arenas_with_records", "hunters", "choices")]
     """Masks that belong to `final_observations`, (B, H, K + 1)."""
-    lengths: Floats1
+    lengths: Annotated[Float32s, Shape("arenas_with_records")]
     """Length of that episode [steps], (B,)."""
-    records: Floats3
+    records: Annotated[Float32s, Shape("arenas_with_records", "agents", "figures")]
     """Records of that episode, (B, N, figures): see `rows.FINAL_SCORE` and the constants after it."""
 
 
-_KINDS_OF_SECTIONS: Final[dict[str, Section]] = {
-    name: kind.__metadata__[0] for name, kind in Sections.__annotations__.items()
+_SHAPES: Final[dict[str, Shape]] = {name: kind.__metadata__[0] for name, kind in Sections.__annotations__.items()}
+DTYPES: Final = {  # NDArray[of] is ndarray[..., dtype[of]]
+    name: np.dtype(*get_args(get_args(kind.__origin__)[1])) for name, kind in Sections.__annotations__.items()
 }
-DTYPES: Final = {name: np.dtype(kind.dtype) for name, kind in _KINDS_OF_SECTIONS.items()}
-NDIMS: Final = tuple(kind.ndim for kind in _KINDS_OF_SECTIONS.values())
-_DIRECTORY: Final = sum(1 + ndim for ndim in NDIMS)
-"""Length of the directory, in int64: for each section its offset and its shape."""
-
-
-_INDICES: Final = dict(zip(DTYPES, itertools.accumulate((1 + ndim for ndim in NDIMS), initial=0), strict=False))
+_PLACES: Final = [1 + len(shape.sizes) for shape in _SHAPES.values()]
+"""Number of int64 in the directory for each section: its offset and its shape."""
+_DIRECTORY: Final = sum(_PLACES)
+"""Length of the directory, in int64."""
+_INDICES: Final = dict(zip(_SHAPES, itertools.accumulate(_PLACES, initial=0), strict=False))
 """Index in the directory at which the numbers of a section begin."""
 
 
-def lay_out(shapes: Mapping[str, tuple[int, ...]]) -> tuple[Bytes, Sections]:
-    """Return zeros with sections of these shapes, and the sections as views of them."""
+def lay_out(sizes: Mapping[str, int]) -> tuple[Bytes, Sections]:
+    """Return zeros with all sections, and these as views; `sizes` are those that `Shape` names."""
     size = whole_lines(8 * _DIRECTORY)
     directory: list[int] = []
-    for name, dtype in DTYPES.items():
-        directory += [size, *shapes[name]]
-        size += whole_lines(math.prod(shapes[name]) * dtype.itemsize)
+    for name, shape in _SHAPES.items():
+        numbers = [sizes[of] if isinstance(of, str) else of for of in shape.sizes]
+        directory += [size, *numbers]
+        size += whole_lines(math.prod(numbers) * DTYPES[name].itemsize)
     memory = _new_bytes(size)
     memory[: 8 * _DIRECTORY].view(np.int64)[:] = directory
     return memory, sections_of(memory)
@@ -206,18 +197,13 @@ def whole_lines(size: int) -> int:
 
 def sections_of(memory: Bytes, thread: int = 0) -> Sections:
     """Return the sections of a memory, with the scratch sections of one thread."""
-    arrays = _arrays_in(memory)
-    kinds = _KINDS_OF_SECTIONS.values()
-    return Sections(*(array[thread] if kind.by_thread else array for array, kind in zip(arrays, kinds, strict=True)))
-
-
-def _arrays_in(memory: Bytes) -> list[NDArray[Any]]:
     directory = iter(memory[: 8 * _DIRECTORY].view(np.int64).tolist())
     sections = []
-    for dtype, ndim in zip(DTYPES.values(), NDIMS, strict=True):
-        begin, *shape = (next(directory) for _ in range(1 + ndim))
-        sections.append(np.ndarray(shape, dtype, memory, begin))  # three times as fast as a slice, a view and a shape
-    return sections
+    for dtype, shape in zip(DTYPES.values(), _SHAPES.values(), strict=True):
+        begin, *numbers = (next(directory) for _ in range(1 + len(shape.sizes)))
+        array: NDArray[Any] = np.ndarray(numbers, dtype, memory, begin)  # three times as fast as a slice and a view
+        sections.append(array[thread] if shape.by_thread else array)
+    return Sections(*sections)
 
 
 def settings_in(numbers: NDArray[np.float64], options: Options) -> Settings:
@@ -297,14 +283,14 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 
 def _type_of_section(_sections: Any, name: str) -> Any:
-    kind = _KINDS_OF_SECTIONS[name]
-    return ArrayAt(from_dtype(DTYPES[name]), kind.ndim - kind.by_thread)
+    shape = _SHAPES[name]
+    return ArrayAt(from_dtype(DTYPES[name]), len(shape.sizes) - shape.by_thread)
 
 
 @fields_as(SectionsAt, _type_of_section)
 def _(context: Any, builder: Any, of: Any, sections: Any, name: str) -> Any:
     memory, thread = unpacked(builder, sections)
-    one, by_thread = _type_of_section(of, name), _KINDS_OF_SECTIONS[name].by_thread
+    one, by_thread = _type_of_section(of, name), _SHAPES[name].by_thread
     directory = builder.bitcast(memory, _DIRECTORY_AT)
     places = range(_INDICES[name], _INDICES[name] + 1 + one.ndim + by_thread)
     begin, *shape = (constant_at(builder, builder.gep(directory, [INT64(place)])) for place in places)

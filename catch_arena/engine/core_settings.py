@@ -11,10 +11,9 @@ from numpy.typing import NDArray
 
 from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig, PreyRewardWeights, RewardWeights
 from catch_arena.core import rows
-from catch_arena.core.arbiter import POLICIES, REQUEST_COLUMNS
+from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
 from catch_arena.core.state import (
-    MOST,
     MOTIONS,
     PART_NAMES,
     PREY_PART_NAMES,
@@ -23,7 +22,7 @@ from catch_arena.core.state import (
     regions_of,
     slot_rows,
 )
-from catch_arena.core.transfers import STREAMED, TILE
+from catch_arena.core.transfers import STREAMED
 from catch_arena.core.vectors import LANES, WIDE
 from catch_arena.core.visibility import ALL_ROUND
 from catch_arena.errors import require_type
@@ -119,50 +118,31 @@ def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
     )
 
 
-def section_shapes(
+def sizes_of(
     config: ArenaConfig, settings: Settings, arenas: int, threads: int, *, with_infos: bool, auto_reset: bool
-) -> dict[str, tuple[int, ...]]:
-    """Return the shape of each of `memory.Sections`; those of scratch begin with the number of threads."""
+) -> dict[str, int]:
+    """Return the sizes that the shapes of `memory.Sections` name."""
     hunters, prey, teams = config.hunters, config.prey, len(config.teams or ())
-    agents, ranks = hunters + prey, config.targets_seen + 1
     columns = max(observation_size(config), prey_observation_size(config) if prey else 0)
-    with_parts, with_records = arenas if with_infos else 0, arenas if auto_reset else 0
-    chunks, size = -(-arenas // LANES), regions_of(settings).end
-    tiles = (MOST + 1) * len(WIDE) * TILE
-    staging = len(WIDE) * agents * columns + STREAMED  # `put_rows` writes numbers after the end
+    staging = len(WIDE) * (hunters + prey) * columns + STREAMED  # `put_rows` writes numbers after the end
     return {
-        "settings": (len(settings),),
-        "start_poses": (0 if config.hunter_poses is None else hunters, 3),
-        "controls": (arenas, hunters),
-        "limits": (hunters, len(SeatLimits._fields)),
-        "teams": (hunters,),
-        "team_seats": (teams,),
-        "keys": (threads, MOST * LANES),
-        "positions": (threads, MOST * 2 * len(WIDE)),
-        "target_tiles": (threads, tiles),
-        "body_tiles": (threads, tiles),
-        "staging": (threads, -(-staging // LANES) * LANES),  # whole cache lines: no two threads write to the same
-        "requests": (threads, hunters, REQUEST_COLUMNS),
-        "scratch_rows": (threads, (2 + len(PART_NAMES)) * LANES),  # as many as `rewards.reward` needs
-        "requested_slots": (threads, hunters, LANES),
-        "rival_orders": (threads, hunters, config.hunters_seen * LANES),
-        "progress_references": (threads, hunters, 3 * LANES),
-        "team_rows": (threads, 2 * hunters * LANES if teams else 0),
-        "prey_references": (threads, prey, 4 * LANES),
-        "gathered_prey": (threads, prey, rows.WITHDRAWN + LANES),
-        "snapshot": (threads, size),
-        "chunks": (chunks, size),
-        "target_orders": (chunks, hunters, config.targets_seen * LANES),
-        "rewards": (arenas, agents),
-        "parts": (with_parts, hunters, len(PART_NAMES)),
-        "prey_parts": (with_parts, prey, len(PREY_PART_NAMES)),
-        "observations": (arenas, agents, columns),
-        "masks": (arenas, hunters, ranks),
-        "ends": (arenas,),
-        "active": (arenas if config.dropout_rate > 0.0 or prey else 0, agents),
-        "team_scores": (arenas, teams),
-        "final_observations": (with_records, agents, columns),
-        "final_masks": (with_records, hunters, ranks),
-        "lengths": (with_records,),
-        "records": (with_records, agents, rows.FINAL_TEAM_SCORE + (1 if teams else 0)),
+        "threads": threads,
+        "arenas": arenas,
+        "arenas_with_parts": arenas if with_infos else 0,
+        "arenas_with_active": arenas if config.dropout_rate > 0.0 or prey else 0,
+        "arenas_with_records": arenas if auto_reset else 0,
+        "chunks": -(-arenas // LANES),
+        "chunk": regions_of(settings).end,
+        "hunters": hunters,
+        "prey": prey,
+        "agents": hunters + prey,
+        "teams": teams,
+        "start_poses": 0 if config.hunter_poses is None else hunters,
+        "target_ranks": config.targets_seen * LANES,
+        "rival_ranks": config.hunters_seen * LANES,
+        "choices": config.targets_seen + 1,
+        "columns": columns,
+        "staging": -(-staging // LANES) * LANES,  # whole cache lines: no two threads write to the same
+        "team_rows": 2 * hunters * LANES if teams else 0,
+        "figures": rows.FINAL_TEAM_SCORE + (1 if teams else 0),
     }

@@ -26,7 +26,7 @@ from catch_arena.core.prey import withdraw_prey_at
 from catch_arena.core.state import ALL_OPTIONS
 from catch_arena.core.vectors import LANES, PLAYED, SINGLE, WIDE
 from catch_arena.engine.compiling import announced
-from catch_arena.engine.core_settings import limits_by_seat, section_shapes, settings_of
+from catch_arena.engine.core_settings import limits_by_seat, settings_of, sizes_of
 from catch_arena.engine.reading import ArenaReader, row_of
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError
@@ -98,10 +98,8 @@ class Engine(ArenaReader):
         self._num_chunks = -(-num_arenas // LANES)
         self._num_parts = self._num_chunks * LANES * config.hunters // _HUNTERS_A_PART
         self.num_threads = max(1, min(num_threads, self._num_parts))
-        shapes = section_shapes(
-            config, settings, num_arenas, self.num_threads, with_infos=with_infos, auto_reset=auto_reset
-        )
-        memory, sections = lay_out(shapes)
+        sizes = sizes_of(config, settings, num_arenas, self.num_threads, with_infos=with_infos, auto_reset=auto_reset)
+        memory, sections = lay_out(sizes)
         sections.settings[:] = settings
         if config.hunter_poses is not None:
             sections.start_poses[:] = config.hunter_poses

@@ -23,7 +23,7 @@ from catch_arena.core.ranking import (
 )
 from catch_arena.core.state import ABSENT, item_at_rank, seat_at, seat_of
 from catch_arena.core.vectors import HALF, LANES, SINGLE, WIDE, played_lanes
-from catch_arena.engine.core_settings import section_shapes, settings_of
+from catch_arena.engine.core_settings import settings_of, sizes_of
 
 LOOKS = (rows.X, rows.Y, rows.SINE, rows.COSINE, rows.SPEED, rows.SCORE)
 
@@ -80,7 +80,7 @@ def test_r7_1_rivals_come_in_the_order_in_which_python_sorts_them(hunters, width
     s = settings_of(config, with_parts=False)
     lanes = LANES if len(width) > 1 else 1
     # what one leaves in the scratch sections another finds
-    memory, sections = lay_out(section_shapes(config, s, 1, 1, with_infos=False, auto_reset=False))
+    memory, sections = lay_out(sizes_of(config, s, 1, 1, with_infos=False, auto_reset=False))
     tied = 0
     for _ in range(160 // hunters if lanes > 1 else 400 // hunters):
         looks = rng.integers(0, 2, (hunters, len(LOOKS), LANES)).astype(float)
