@@ -2,26 +2,18 @@
 seat, and the shapes of the memory.
 """
 
+import dataclasses
 import math
-from collections.abc import Sequence
 from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig, PreyRewardWeights, RewardWeights
+from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core import rows
 from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
-from catch_arena.core.state import (
-    MOTIONS,
-    PART_NAMES,
-    PREY_PART_NAMES,
-    SeatLimits,
-    Settings,
-    regions_of,
-    slot_rows,
-)
+from catch_arena.core.state import MOTIONS, SeatLimits, Settings, regions_of, slot_rows
 from catch_arena.core.transfers import STREAMED
 from catch_arena.core.vectors import LANES, WIDE
 from catch_arena.core.visibility import ALL_ROUND
@@ -33,64 +25,41 @@ _SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
 
 
 def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = False) -> Settings:
-    """Return the scalars of a config, as the core reads them."""
+    """Return the scalars of a config, as the core reads them. A field has the value of that name in the config, if it
+    is not converted here; None becomes infinity.
+    """
     require_type("config", config, ArenaConfig, "scenario(name)")
+    weights = dataclasses.asdict(config.rewards) | dataclasses.asdict(config.prey_rewards)
     high = config.side_m - _SPAWN_WALL_M
-    return Settings(
-        hunters=config.hunters,
-        max_targets=config.max_targets,
-        targets_seen=config.targets_seen,
-        hunters_seen=config.hunters_seen,
-        policy=POLICIES[config.policy],
-        partners_needed=config.hunters_per_catch - 1,
-        needs_progress=int(with_parts or config.rewards.progress != 0.0),
-        any_control=int(any_control),
-        target_budget=math.inf if config.target_budget is None else float(config.target_budget),
-        spawned_in_full=_spawned_in_full(config),
-        side_m=float(config.side_m),
-        kp_v=float(config.gains.kp_v),
-        ki_v=float(config.gains.ki_v),
-        kp_w=float(config.gains.kp_w),
-        ki_w=float(config.gains.ki_w),
-        period_ms=float(config.control_period_ms),
-        period_s=config.control_period_ms / 1000.0,
-        time_limit_ms=float(config.time_limit_ms),
-        spawn_period_ms=float(config.spawn_period_ms) if config.spawning else math.inf,
-        spawn_low_m=_SPAWN_LOW_M,
-        spawn_high_m=high,
-        spawn_last_m=math.nextafter(high, 0.0),
-        start_radius_m=0.3 * config.side_m if config.start_radius_m is None else float(config.start_radius_m),
-        initial_targets=config.initial_targets,
-        slot_size=slot_rows(config.targets_move) * LANES,
-        targets_move=int(config.targets_move),
-        target_motion=MOTIONS[config.target_motion],
-        target_speed_mps=float(config.target_speed_mps),
-        target_turn_rate_radps=float(config.target_turn_rate_radps),
-        wander_period_ms=float(config.wander_period_ms),
-        alarm_um=float(config.alarm_um),
-        prey=config.prey,
-        prey_min_speed_mps=-float(config.target_speed_mps) if config.reverse else 0.0,
-        prey_returns_ms=math.inf if config.prey_returns_ms is None else float(config.prey_returns_ms),
-        needs_gain=int(with_parts or config.prey_rewards.gained != 0.0),
-        partial_view=int(config.partial_view),
-        view_radius_um=math.inf if config.view_radius_um is None else float(config.view_radius_um),
-        view_cosine=ALL_ROUND if config.view_angle_deg == 360.0 else sincos(config.view_angle_deg * PI / 360.0)[1],
-        view_noise_m=float(config.view_noise_m),
-        dropout_rate=float(config.dropout_rate),
-        kill_down_rate=float(config.faults.kill_down),
-        kill_refused_rate=float(config.faults.kill_refused),
-        spawn_down_rate=float(config.faults.spawn_down),
-        spawn_refused_rate=float(config.faults.spawn_refused),
-        has_teams=int(config.teams is not None),
-        team_share=0.0 if config.teams is None else float(config.team_share),
-        **_weights(config.rewards, PART_NAMES),
-        **_weights(config.prey_rewards, PREY_PART_NAMES),
-    )
-
-
-def _weights(weights: RewardWeights | PreyRewardWeights, parts: Sequence[str]) -> dict[str, Any]:
-    """R6.2, R12.5: return the weight of each part of the reward, by its name in `Settings`."""
-    return {f"{part}_weight": float(getattr(weights, part)) for part in parts}
+    converted = {
+        **dataclasses.asdict(config.gains),
+        **{f"{fault}_rate": rate for fault, rate in dataclasses.asdict(config.faults).items()},
+        **{f"{part}_weight": weight for part, weight in weights.items()},
+        "policy": POLICIES[config.policy],
+        "partners_needed": config.hunters_per_catch - 1,
+        "needs_progress": with_parts or config.rewards.progress != 0.0,
+        "needs_gain": with_parts or config.prey_rewards.gained != 0.0,
+        "any_control": any_control,
+        "spawned_in_full": _spawned_in_full(config),
+        "period_ms": config.control_period_ms,
+        "period_s": config.control_period_ms / 1000.0,
+        "spawn_period_ms": config.spawn_period_ms if config.spawning else math.inf,
+        "spawn_low_m": _SPAWN_LOW_M,
+        "spawn_high_m": high,
+        "spawn_last_m": math.nextafter(high, 0.0),
+        "start_radius_m": 0.3 * config.side_m if config.start_radius_m is None else config.start_radius_m,
+        "slot_size": slot_rows(config.targets_move) * LANES,
+        "target_motion": MOTIONS[config.target_motion],
+        "prey_min_speed_mps": -config.target_speed_mps if config.reverse else 0.0,
+        "view_cosine": ALL_ROUND if config.view_angle_deg == 360.0 else sincos(config.view_angle_deg * PI / 360.0)[1],
+        "has_teams": config.teams is not None,
+        "team_share": 0.0 if config.teams is None else config.team_share,
+    }
+    numbers: dict[str, Any] = {}
+    for name, kind in Settings.__annotations__.items():
+        value = converted[name] if name in converted else getattr(config, name)
+        numbers[name] = math.inf if value is None else kind(value)
+    return Settings(**numbers)
 
 
 def _spawned_in_full(config: ArenaConfig) -> float:
@@ -99,7 +68,7 @@ def _spawned_in_full(config: ArenaConfig) -> float:
         return math.inf
     if not config.spawning:
         return 0.0
-    return math.inf if config.target_budget is None else float(config.target_budget)
+    return math.inf if config.target_budget is None else config.target_budget
 
 
 def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
