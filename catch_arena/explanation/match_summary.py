@@ -136,8 +136,7 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-        found: dict[str, Any] = json_ready(self)
-        return found
+        return json_ready(self)
 
 
 def explain(
