@@ -24,16 +24,6 @@ class Figure(NamedTuple):
     note: str = ""
 
 
-@dataclass(frozen=True, slots=True)
-class Moment:
-    """Best highlight of a tournament, and its match."""
-
-    match: str
-    highlight: Highlight
-    end_ms: int
-    """Last instant that is shown, which a match has [ms since reset]."""
-
-
 def figures(data: ReportData, explanations: Mapping[str, Explanation]) -> list[Figure]:
     """Return the figures of the first screen: all matches and contests, and the closest contest explained."""
     played, hunting = len(data.played), data.parties.hunting
@@ -54,11 +44,9 @@ def figures(data: ReportData, explanations: Mapping[str, Explanation]) -> list[F
     ]
 
 
-def best_moment(explanations: Mapping[str, Explanation]) -> Moment | None:
-    """Return the best highlight of some matches; None if they have none."""
-    for match, highlight in best_highlights(explanations, 1):
-        return Moment(match, highlight, min(highlight.end_ms, explanations[match].duration_ms))
-    return None
+def best_moment(explanations: Mapping[str, Explanation]) -> tuple[str, Highlight] | None:
+    """Return the best highlight of some matches, after the id of its match; None if they have none."""
+    return next(iter(best_highlights(explanations, 1)), None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,9 +88,9 @@ def find_lost_contests(data: ReportData, explanations: Mapping[str, Explanation]
     return found
 
 
-def answer_to(moment: Moment | None, lost: Sequence[LostContest]) -> WhatIf | None:
+def answer_to(moment: tuple[str, Highlight] | None, lost: Sequence[LostContest]) -> WhatIf | None:
     """Return the answer to the contest that a moment shows; None without one."""
-    if moment is None or moment.highlight.kind != "contest":
+    if moment is None or moment[1].kind != "contest":
         return None
-    shown = moment.match, moment.highlight.decisive_ms
+    shown = moment[0], moment[1].decisive_ms
     return next((one.answer for one in lost if (one.match, one.answer.contest.judged_ms) == shown), None)
