@@ -1,7 +1,9 @@
 """Our DDS bus and a node without our code exchange topics and services on the loopback interface."""
 
+import gc
 import sys
 import time
+import weakref
 
 import pytest
 from ros import wire
@@ -10,6 +12,7 @@ from ros.processes import own_domain
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Turtle, TurtleArray
 from catch_arena.ros.middleware import dds_bus, dds_domain, opening
+from catch_arena.ros.middleware.bus import SERVICE_DEPTH
 from catch_arena.ros.middleware.dds_domain import configuration, is_fast_dds, is_localhost_only
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, Name, TwistMessage
 from catch_arena.ros.middleware.opening import describe_bus, open_bus
@@ -84,6 +87,13 @@ def test_services_are_answered_and_called_with_the_clients_id_and_a_number(ours,
     gone.write(kill_request.client + 1, kill_request.number, 0)
     gone.write(kill_request.client, kill_request.number, 0)
     until(lambda: made.spin() or call.done())
+
+
+def test_calls_that_no_node_answers_are_forgotten_at_last(ours):
+    client = ours[0].client("/silent", TYPES.kill)
+    calls = [weakref.ref(client.call(Name("tom"))) for _ in range(SERVICE_DEPTH + 1)]
+    gc.collect()
+    assert [call() is None for call in calls] == [True] + [False] * SERVICE_DEPTH
 
 
 def test_what_cannot_be_read_is_left_out_and_the_next_is_heard(ours, domain):

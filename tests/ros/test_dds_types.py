@@ -29,7 +29,7 @@ def encoded(kind, message, **header):
 
 
 def decoded(kind, data, *, header=False):
-    sample = dds_bus.idl_struct(kind, header=header).deserialize(data)
+    sample = dds_bus.idl_struct(kind).deserialize(data)
     message = from_attributes(kind, sample)
     return (message, sample.client, sample.number) if header else message
 

@@ -7,9 +7,9 @@ its response begin with the client's id and a number; nodes with Fast DDS put bo
 import time
 from collections.abc import Callable
 from concurrent.futures import Future
-from functools import cache
+from functools import cache, partial
 from itertools import count
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from cyclonedds._clayer import ddspy_take
 from cyclonedds.core import DDSException, Policy, Qos, ReadCondition, WaitSet
@@ -35,7 +35,6 @@ _REPLY_WAIT_S: Final = 0.1
 """Longest wait of a response for its client's reader, which may be discovered after the request [s]."""
 _MISSING_MEMBER: Final = "structure_needs_at_least_one_member"
 """The byte that ROS puts into a type without fields."""
-_DUMMY: Final = {_MISSING_MEMBER: 0}
 _sequence: Final[Any] = types.sequence
 
 OnSample = Callable[[Any], object]
@@ -59,9 +58,10 @@ class DdsBus(Bus):
         self._participant = join(domain, Qos(user))
         self._log = OnceLog(log)
         self._waiting = WaitSet(self._participant)
-        self._readers: dict[str, _Reader] = {}
-        """Readers by their DDS topics."""
-        self._waiting_replies: list[_Reply] = []
+        self._readers: dict[str, tuple[DataReader[Any], OnSample]] = {}
+        """Readers by their DDS topics, and the functions that handle their samples."""
+        self._late_replies: list[Callable[[], None]] = []
+        """Functions that send responses to clients whose readers were not matched before."""
         self._ids = count(1)
         self._watch = FastDdsWatch(self._participant, log)
 
@@ -72,30 +72,26 @@ class DdsBus(Bus):
 
     def subscribe(self, topic: str, kind: MessageType, on_message: Callable[[Any], object]) -> None:
         """Subscribe to a topic."""
-
-        def on_sample(sample: Any) -> None:
-            on_message(from_attributes(kind, sample))
-
-        self._reader(f"rt{topic}", kind, on_sample, _announced(kind))
+        self._reader(f"rt{topic}", kind, _announced(kind), lambda sample: on_message(from_attributes(kind, sample)))
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
-        user = Policy.Userdata(f"serviceid={self._next_id()};".encode())
-        writer = self._writer(f"rr{service}Reply", kind.response, user, header=True)
+        user = f"serviceid={self._next_id()};"
+        writer = self._writer(f"rr{service}Reply", kind.response, user)
 
         def on_sample(sample: Any) -> None:
             def answer(response: Any) -> None:
-                response_sample = to_sample(kind.response, response, client=sample.client, number=sample.number)
-                self._reply(_Reply(writer, reader, response_sample, time.monotonic() + _REPLY_WAIT_S))
+                reply = to_sample(kind.response, response, client=sample.client, number=sample.number)
+                self._reply(writer, requests, reply, time.monotonic() + _REPLY_WAIT_S)
 
             on_request(Request(from_attributes(kind.request, sample), answer))
 
-        reader = self._reader(f"rq{service}Request", kind.request, on_sample, user, header=True)
+        requests = self._reader(f"rq{service}Request", kind.request, user, on_sample)
 
     def client(self, service: str, kind: ServiceType) -> Client:
         """Return a client of a service."""
-        user = Policy.Userdata(f"clientid={self._next_id()};".encode())
-        writer = self._writer(f"rq{service}Request", kind.request, user, header=True)
+        user = f"clientid={self._next_id()};"
+        writer = self._writer(f"rq{service}Request", kind.request, user)
         own = writer.get_instance_handle() & 2**64 - 1
         numbers = count(1)
         calls: dict[int, Future[Any]] = {}
@@ -104,21 +100,21 @@ class DdsBus(Bus):
             if sample.client == own and (call := calls.pop(sample.number, None)) is not None:
                 call.set_result(from_attributes(kind.response, sample))
 
-        replies = self._reader(f"rr{service}Reply", kind.response, on_sample, user, header=True)
+        replies = self._reader(f"rr{service}Reply", kind.response, user, on_sample)
 
         def ready() -> bool:
-            if not (_matched(writer) and _matched(replies.reader)):
-                return False
-            for handle in writer.get_matched_subscriptions():
-                server = writer.get_matched_subscription_data(handle)
+            servers = writer.get_matched_subscriptions()
+            for server in map(writer.get_matched_subscription_data, servers):
                 if server is not None and is_fast_dds(str(server.participant_key)):
                     # Such a server never answers, and may run out of memory over the request.
                     raise BusError(FAST_DDS.format(use=f"serves {service}"))
-            return True
+            return bool(servers and replies.get_matched_publications())
 
         def call(request: Any) -> Future[Any]:
             number, answer = next(numbers), Future[Any]()
             calls[number] = answer
+            if len(calls) > SERVICE_DEPTH:
+                calls.pop(next(iter(calls)))
             self._write(writer, to_sample(kind.request, request, client=own, number=number))
             return answer
 
@@ -126,31 +122,31 @@ class DdsBus(Bus):
 
     def publishers_of(self, topic: str) -> int:
         """Return the number of publishers of a subscribed topic."""
-        return _matched(self._readers[f"rt{topic}"].reader)
+        return len(self._readers[f"rt{topic}"][0].get_matched_publications())
 
     def spin(self, timeout_s: float = 0.0) -> None:
         """Handle the samples that have come, one of each topic and service in each round."""
         if timeout_s > 0.0:
-            self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._waiting_replies else timeout_s))
+            self._waiting.wait(duration(seconds=min(timeout_s, _REPLY_WAIT_S) if self._late_replies else timeout_s))
         end = time.monotonic() + SPIN_S
-        while sum(self._dispatch(one) for one in tuple(self._readers.values())) and time.monotonic() <= end:
+        while sum(self._dispatch(*one) for one in tuple(self._readers.values())) and time.monotonic() <= end:
             pass
-        late, self._waiting_replies = self._waiting_replies, []
+        late, self._late_replies = self._late_replies, []
         for reply in late:
-            self._reply(reply)
+            reply()
         self._watch.look()
 
     def close(self) -> None:
         """Leave the bus."""
         self._watch.close()
         self._readers.clear()
-        self._waiting_replies.clear()
+        self._late_replies.clear()
         del self._waiting, self._participant
 
-    def _dispatch(self, reader: "_Reader") -> int:
+    def _dispatch(self, reader: DataReader[Any], on_sample: OnSample) -> int:
         """Handle the oldest sample of a reader, and return the number of taken samples: 0 or 1."""
-        taken = ddspy_take(reader.reader._ref, _ANY, 1)  # noqa: SLF001 - the package's take cannot skip a bad sample
-        topic = reader.reader.topic
+        taken = ddspy_take(reader._ref, _ANY, 1)  # noqa: SLF001 - the package's take cannot skip a bad sample
+        topic = reader.topic
         if isinstance(taken, int):
             raise DDSException(taken, f"on {ros_name(topic.name)}")
         for data, info in taken:
@@ -162,16 +158,16 @@ class DdsBus(Bus):
                 problem = f"a message on {ros_name(topic.name)} cannot be read"
                 self._log.warn(f"{problem} ({type(error).__name__})", problem)
             else:
-                reader.on_sample(sample)
+                on_sample(sample)
         return len(taken)
 
-    def _reply(self, reply: "_Reply") -> None:
-        """Send a response; if the reader of a client is not matched yet, keep the response for up to _REPLY_WAIT_S."""
-        is_early = time.monotonic() < reply.due_s and len(self._waiting_replies) < SERVICE_DEPTH
-        if is_early and _matched(reply.writer) < _matched(reply.requests.reader):  # a client has one of each
-            self._waiting_replies.append(reply)
+    def _reply(self, writer: DataWriter[Any], requests: DataReader[Any], sample: Any, due_s: float) -> None:
+        """Send a response, before the monotonic time `due_s` [s] only if the readers of all clients are matched."""
+        unmatched = len(writer.get_matched_subscriptions()) < len(requests.get_matched_publications())
+        if unmatched and time.monotonic() < due_s and len(self._late_replies) < SERVICE_DEPTH:
+            self._late_replies.append(partial(self._reply, writer, requests, sample, due_s))
         else:
-            self._write(reply.writer, reply.sample)
+            self._write(writer, sample)
 
     def _write(self, writer: DataWriter[Any], sample: Any) -> None:
         """Send a sample, or drop it with a warning if that fails: a requested name may hold a zero byte."""
@@ -187,71 +183,42 @@ class DdsBus(Bus):
         head = self._participant.guid.bytes[:12]
         return ".".join(f"{byte:x}" for byte in head + next(self._ids).to_bytes(4, "big"))
 
-    def _writer(self, topic: str, kind: MessageType, user: Any, *, header: bool = False) -> DataWriter[Any]:
-        qos = _qos(Policy.WriterDataLifecycle(autodispose=False), user, header=header)
-        made: DataWriter[Any] = DataWriter(self._participant, self._topic(topic, kind, header=header), qos=qos)
+    def _writer(self, topic: str, kind: MessageType, user: str) -> DataWriter[Any]:
+        lifecycle = Policy.WriterDataLifecycle(autodispose=False)
+        made: DataWriter[Any] = DataWriter(self._participant, self._topic(topic, kind), qos=_qos(kind, user, lifecycle))
         return made
 
-    def _reader(
-        self, topic: str, kind: MessageType, on_sample: OnSample, user: Any, *, header: bool = False
-    ) -> "_Reader":
-        reader: DataReader[Any] = DataReader(
-            self._participant, self._topic(topic, kind, header=header), qos=_qos(user, header=header)
-        )
-        made = _Reader(reader, ReadCondition(reader, Views.Any | Instances.Any | Samples.NotRead), on_sample)
-        self._readers[topic] = made
-        self._waiting.attach(made.fresh)
+    def _reader(self, topic: str, kind: MessageType, user: str, on_sample: OnSample) -> DataReader[Any]:
+        made: DataReader[Any] = DataReader(self._participant, self._topic(topic, kind), qos=_qos(kind, user))
+        self._waiting.attach(ReadCondition(made, Views.Any | Instances.Any | Samples.NotRead))
+        self._readers[topic] = made, on_sample
         return made
 
-    def _topic(self, topic: str, kind: MessageType, *, header: bool) -> Topic[Any]:
+    def _topic(self, topic: str, kind: MessageType) -> Topic[Any]:
         if topic.startswith("rq") or any(field.is_sequence for field in kind.fields):
             self._watch.topics.add(topic)  # Fast DDS 3.2 takes no type of Cyclone's that holds a list
-        return Topic(self._participant, topic, idl_struct(kind, header=header))
+        return Topic(self._participant, topic, idl_struct(kind))
 
 
-class _Reader(NamedTuple):
-    """One reader, and the function that handles its samples."""
-
-    reader: DataReader[Any]
-    fresh: ReadCondition
-    """Condition that is true while the reader has unread samples."""
-    on_sample: OnSample
+def _is_of_service(kind: MessageType) -> bool:
+    return "/srv/" in kind.name
 
 
-class _Reply(NamedTuple):
-    """A response to one client that is not sent yet."""
-
-    writer: DataWriter[Any]
-    requests: _Reader
-    """The reader of its service's requests."""
-    sample: Any
-    due_s: float
-    """Monotonic time at which it is sent in any case [s]."""
-
-
-def _matched(end: "DataReader[Any] | DataWriter[Any]") -> int:
-    """Return the number of writers that a reader is matched with, or of readers that a writer is matched with."""
-    if isinstance(end, DataReader):
-        status: Any = end.get_subscription_matched_status
-    else:
-        status = end.get_publication_matched_status
-    return int(status().current_count)
-
-
-def _qos(*policies: Any, header: bool) -> Qos:
-    """Return ROS's usual quality of service; requests and responses, which have a header, have deeper queues."""
+def _qos(kind: MessageType, user: str, *policies: Any) -> Qos:
+    """Return ROS's usual quality of service, and a text for other nodes; services have deeper queues."""
     return Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.Durability.Volatile,
-        Policy.History.KeepLast(SERVICE_DEPTH if header else DEPTH),
+        Policy.History.KeepLast(SERVICE_DEPTH if _is_of_service(kind) else DEPTH),
         Policy.DataRepresentation(use_cdrv0_representation=True),
+        Policy.Userdata(user.encode()),
         *policies,
     )
 
 
-def _announced(kind: MessageType) -> Any:
-    """Return the policy that announces a type's hash: nodes of Iron and later warn of each topic without one."""
-    return Policy.Userdata(f"typehash={type_hash(kind)};".encode())
+def _announced(kind: MessageType) -> str:
+    """Return the text that announces a type's hash: nodes of Iron and later warn of each topic without one."""
+    return f"typehash={type_hash(kind)};"
 
 
 def dds_name(kind: MessageType) -> str:
@@ -261,14 +228,9 @@ def dds_name(kind: MessageType) -> str:
 
 
 @cache
-def idl_struct(kind: MessageType, *, header: bool = False) -> Any:
-    """Return the package's own type of a message.
-
-    Args:
-        kind: the message.
-        header: whether it begins with the client's id and a number, as requests and responses do.
-    """
-    fields: dict[str, Any] = {"client": types.uint64, "number": types.int64} if header else {}
+def idl_struct(kind: MessageType) -> Any:
+    """Return the package's own type of a message; those of services begin with the client's id and a number."""
+    fields: dict[str, Any] = {"client": types.uint64, "number": types.int64} if _is_of_service(kind) else {}
     for name, word, is_sequence in kind.fields:
         one: Any = _idl_type(word) if isinstance(word, str) else idl_struct(word)
         fields[name] = _sequence[one] if is_sequence else one
@@ -284,5 +246,5 @@ def _idl_type(word: str) -> Any:
 
 def to_sample(kind: MessageType, message: Any, **header: int) -> Any:
     """Return a message as an object of the package's own type."""
-    values = values_by_field(kind, message, to_sample) or _DUMMY
-    return idl_struct(kind, header=bool(header))(**header, **values)
+    values = values_by_field(kind, message, to_sample) or {_MISSING_MEMBER: 0}
+    return idl_struct(kind)(**header, **values)
