@@ -1,10 +1,13 @@
 """Our spawner and our controller play the exercise with a simulated turtlesim, all in one process."""
 
+import weakref
+
 import pytest
 from ros.local import Hub
 from ros.turtlesim import TYPES, Turtlesim
 
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, Pose, Turtle, TurtleArray
+from catch_arena.ros.nodes import controller
 from catch_arena.ros.nodes.controller import Controller
 from catch_arena.ros.nodes.spawner import Spawner
 from catch_arena.scenarios import scenario
@@ -129,6 +132,26 @@ def test_a_controller_asks_its_own_service_where_there_is_one(hub, drives, servi
         bus.spin()
     assert [service for service in services if calls[service]] == [expected]
     assert not any("no node serves" in line for line in log_lines)
+
+
+def test_a_request_without_an_answer_is_repeated_after_a_second_and_then_forgotten(hub, drives, monkeypatch):
+    now = 100.0
+    monkeypatch.setattr(controller.time, "monotonic", lambda: now)
+    calls = []
+    referee = hub.bus("referee")
+    referee.serve(
+        "/catch_turtle", TYPES.catch_turtle, lambda request: calls.append(weakref.ref(request.answer.__self__))
+    )
+    _, period = drives()
+    for expected in (1, 1, 2):
+        now += 0.6
+        period()
+        referee.spin()
+        assert len(calls) == expected
+    hub.bus("spawner").publisher("/alive_turtles", TYPES.turtle_array)(TurtleArray(()))
+    now += 1.2
+    period()
+    assert [call() for call in calls] == [None, None]
 
 
 def test_where_nobody_judges_a_controller_says_so_once(drives):

@@ -1,6 +1,7 @@
 """Our rosbridge bus speaks the protocol's JSON with a server of the tests' own."""
 
 import json
+import math
 import threading
 import time
 from types import SimpleNamespace
@@ -126,7 +127,7 @@ def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
     ours.subscribe("/t", TWIST, received.append)
     ours.serve("/catch_turtle", TYPES.catch_turtle, requests.append)
     until(joined, lambda: len(bridge[0].frames) == 2)
-    odd = ({"x": x, "y": 0, "z": 0} for x in ("1", True, None, 10**400, [0.0]))
+    odd = ({"x": x, "y": 0, "z": 0} for x in ("1", True, 10**400, [0.0]))
     for message in (None, 3, {}, {"linear": 1, "angular": {}}, *({"linear": one, "angular": one} for one in odd)):
         bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": message}))
     for text in ("no json", "[]", '"x"', "{}", '{"op": "publish"}', '{"op": "dance", "topic": "/t"}'):
@@ -147,6 +148,19 @@ def test_what_is_no_message_is_left_out_and_told_once(bridge, joined):
         f"warning: rosbridge: the server at {bridge[1]} does not speak rosbridge's protocol",
         "warning: rosbridge: unknown \\x1b[31m type",
     ]
+
+
+def test_a_number_that_is_not_finite_is_null_in_json_and_a_nan_here(bridge, joined):
+    """So that the arena says what is wrong with such a Twist."""
+    ours, log_lines = joined
+    received = []
+    ours.subscribe("/t", TWIST, received.append)
+    until(joined, lambda: bridge[0].frames)
+    zero = {"x": 0.0, "y": 0.0, "z": 0.0}
+    bridge[0].raw(json.dumps({"op": "publish", "topic": "/t", "msg": {"linear": zero | {"x": None}, "angular": zero}}))
+    until(joined, lambda: received)
+    assert math.isnan(received[0].linear.x)
+    assert (received[0].angular.z, log_lines) == (0.0, [])
 
 
 def test_a_flood_leaves_the_newest(bridge, joined, monkeypatch):

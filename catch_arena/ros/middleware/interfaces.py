@@ -4,6 +4,7 @@ A definition is the text of a .msg or .srv file. It follows from the tuple, and 
 it, so that a field and its width stand in one place.
 """
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from operator import attrgetter
@@ -234,13 +235,13 @@ def values_by_field(kind: MessageType, message: Any, convert: Callable[[MessageT
 
 
 def from_attributes(kind: MessageType, source: Any) -> Any:
-    """Return our tuple from an object that has the fields as attributes, as a library's messages do."""
+    """Return our tuple from an object that has the fields as attributes, as a library's messages do; None is a NaN."""
     values = []
     for name, word, is_sequence in kind.fields:
         value: Any = attrgetter(name)(source) if name else 0.0
         if not isinstance(word, str):
             value = tuple(from_attributes(word, one) for one in value) if is_sequence else from_attributes(word, value)
-        values.append(value)
+        values.append(math.nan if value is None else value)
     return kind.make(*values)
 
 

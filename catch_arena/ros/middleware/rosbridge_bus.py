@@ -37,7 +37,8 @@ _OWN_SERVICE: Final = "/rosbridge_websocket/get_parameters"
 """Service of rosbridge itself. Its response, or the error of a server without it, proves that all frames before the
 call were read.
 """
-_JSON: Final[dict[str, Any]] = {"string": str, "bool": bool, "float32": float, "float64": float}
+_REAL: Final[Any] = float | None  # rosbridge writes null for a number that is not finite
+_JSON: Final[dict[str, Any]] = {"string": str, "bool": bool, "float32": _REAL, "float64": _REAL}
 """JSON types of a field by ROS's name of its type; other fields are whole numbers."""
 
 

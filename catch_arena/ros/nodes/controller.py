@@ -26,7 +26,7 @@ from catch_arena.tournament.secret import agent_seed
 PERIOD_S: Final = 0.1
 """R1.3: period of the exercise's control loop [s]."""
 _ANSWER_S: Final = 1.0
-"""Time after which a request without an answer is repeated [s]."""
+"""Time after which a request without an answer is forgotten, so that it may be repeated [s]."""
 _SETTINGS: Final[dict[str, Any]] = {
     "hunters": 1,
     "initial_targets": 0,
@@ -155,21 +155,21 @@ class Controller:
             self._engine.reset([0])
 
     def _request_catch(self, name: str) -> None:
-        now = time.monotonic()
-        earlier = self._calls.get(name)
-        if earlier is not None and now <= earlier[1] + _ANSWER_S:
+        if name in self._calls:
             return
         client = next((client for client in self._clients if client.ready()), None)
         if client is not None:
-            self._calls[name] = client.call(CatchTurtleRequest(name)), now
+            self._calls[name] = client.call(CatchTurtleRequest(name)), time.monotonic()
         else:
             self._log_once.warn(f"{name} is within reach, but no node serves {' or '.join(self._services)}", "service")
 
     def _read_answers(self) -> None:
-        for name, (call, _) in list(self._calls.items()):
+        for name, (call, since) in list(self._calls.items()):
             if call.done():
                 del self._calls[name]
                 if call.result().success:
                     self._caught += 1
                     self._log(f"caught {name}: {self._caught}")
                     self._targets = [one for one in self._targets if one.name != name]  # the next list may be late
+            elif time.monotonic() > since + _ANSWER_S:
+                del self._calls[name]
