@@ -27,6 +27,7 @@ _FPS: Final = 60
 _LONGEST_FRAME_MS: Final = 100.0
 """Greatest real time that one frame counts for; after a delay the match does not jump ahead."""
 _NOTE_S: Final = 3.0
+_POINTED_MS: Final = 3000
 _SETTLED_S: Final = 0.2
 """Time after which a resized window is drawn at its new size [s]."""
 
@@ -100,7 +101,7 @@ class MatchWindow:
     def wait(self) -> None:
         """Draw one frame while an agent takes long, with the match as played until now."""
         time_ms = self._motion.after.time_ms
-        self._draw(time_ms, self._line("waiting for an agent"))
+        self._draw(time_ms, self._pointer(time_ms) + self._line("waiting for an agent"))
         self._clock.tick()  # the match does not advance in this time
 
     def notify(self, text: str) -> None:
@@ -131,12 +132,12 @@ class MatchWindow:
         time_ms = self._motion.before.time_ms + self._ahead_ms
         end_ms = self._motion.after.time_ms
         while time_ms < end_ms:
-            self._draw(time_ms, self._overlays())
+            self._draw(time_ms, self._overlays(time_ms))
             time_ms += min(_LONGEST_FRAME_MS, self._clock.tick(_FPS)) * SPEEDS[self._speed]
         self._ahead_ms = time_ms - end_ms
         self._steps = max(0, self._steps - 1)
         while self._paused and not self._steps:
-            self._draw(end_ms, self._overlays())
+            self._draw(end_ms, self._overlays(end_ms))
             self._clock.tick(_FPS)
             self._ahead_ms = 0.0
 
@@ -212,12 +213,40 @@ class MatchWindow:
         except OutputError as error:
             self.notify(str(error))
 
-    def _overlays(self) -> list[Shape]:
+    def _overlays(self, time_ms: float) -> list[Shape]:
+        shapes = self._pointer(time_ms)
         if self._shows_help:
-            return self._keys_overlay("H: continue")
+            return shapes + self._keys_overlay("H: continue")
         if self._paused:
-            return self._line("paused    space: continue    N: one step    H: keys")
-        return self._note_shapes()
+            return shapes + self._line("paused    space: continue    N: one step    H: keys")
+        return shapes + (self._note_shapes() or self._out_shapes())
+
+    def _out_shapes(self) -> list[Shape]:
+        """R12.3: return a note that the person's prey is out, and until when; no shapes if it is not out."""
+        index = -1 if self._seat is None else self._seat - self._info.config.hunters
+        caught_ms = self._motion.after.prey[index].caught_ms if index >= 0 else None
+        if caught_ms is None:
+            return []
+        after_ms = self._info.config.prey_returns_ms
+        until = "" if after_ms is None else f": you return at {(caught_ms + after_ms) / 1000:.1f} s"
+        return self._line(f"you are out{until}")
+
+    def _pointer(self, time_ms: float) -> list[Shape]:
+        """Return a pointer to the person's agent: in the first seconds, in a pause, and when its prey has returned."""
+        if self._seat is None:
+            return []
+        poses, since_ms = self._motion.at(time_ms), 0
+        if self._seat < self._info.config.hunters:
+            place = poses.hunters[self._seat]
+        else:
+            name = self._info.config.prey_names[self._seat - self._info.config.hunters]
+            target = next((state for state in self._motion.after.targets if state.prey == name), None)
+            if target is None:
+                return []
+            place, since_ms = poses.targets[target.number], target.spawned_ms
+        if not (0 <= time_ms - since_ms < _POINTED_MS or self._paused):
+            return []
+        return overlays.seat_pointer(self._renderer.viewport, place[:2], self._info.color(self._seat))
 
     def _keys_overlay(self, below: str) -> list[Shape]:
         rows = overlays.WINDOW if self._seat is None else (*overlays.DRIVING, *overlays.WINDOW)

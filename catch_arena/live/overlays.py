@@ -1,10 +1,10 @@
-"""Card with the keys, which lies over the arena."""
+"""Texts over the arena: a card with the keys, and a pointer to the person's agent."""
 
 from collections.abc import Sequence
 from typing import Final
 
 from catch_arena.render import hud
-from catch_arena.render.shapes import Box, Label, Shape
+from catch_arena.render.shapes import INK, WHITE, Box, Color, Label, Polygon, Shape
 from catch_arena.render.text import text_width
 from catch_arena.render.viewport import Viewport
 
@@ -44,3 +44,16 @@ def keys_overlay(viewport: Viewport, rows: Sequence[tuple[str, str]], below: str
         ]
         y += line
     return [*shapes, Label(left, y + 0.5 * line, below, size, hud.DIM, 500, max_width=room)]
+
+
+def seat_pointer(viewport: Viewport, position: tuple[float, float], color: Color) -> list[Shape]:
+    """Return a word and an arrow that point to the person's agent at its place [m]."""
+    x, y = viewport.to_pixels(*position)
+    length = viewport.hunter_length
+    side = 1.0 if y < viewport.height - 2.2 * length else -1.0
+    tip, base = y + side * 0.85 * length, y + side * 1.25 * length
+    size = hud.font_size(0.5 * length, 12)
+    return [
+        Polygon(((x, tip), (x - 0.26 * length, base), (x + 0.26 * length, base)), color),
+        Label(x, base + side * 0.75 * size, "you", size, WHITE, 800, "center", outline=INK),
+    ]
