@@ -12,15 +12,16 @@ from typing import Final
 
 import msgspec
 
-from catch_arena.classroom.moments import Moment, WorstMatch
+from catch_arena.classroom.moments import Moment, merit, worst_moment
 from catch_arena.classroom.submissions import Submission
 from catch_arena.config import RULESET
 from catch_arena.errors import AgentError, MatchFailedError
 from catch_arena.files import prepare_folder, write_whole
+from catch_arena.replay.fileformat import decode_replay
 from catch_arena.text import last_lines
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import Executor, Worker
-from catch_arena.tournament.grading import TestGrade, grade_agent, unplayed_grade
+from catch_arena.tournament.grading import GradedMatch, TestGrade, grade_agent, unplayed_grade
 from catch_arena.tournament.grading_spec import GradingSpec
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.parties import Parties
@@ -81,22 +82,27 @@ def grade_submission(
         grades = tuple(unplayed_grade(test, student.fault) for test in spec.tests)
         return Graded(name=submission.name, digest=student.digest, grades=grades, log=student.log)
     student = replace(student, name=submission.name)
-    found: list[tuple[TestGrade, WorstMatch]] = []
+    found: list[tuple[TestGrade, GradedMatch]] = []
     try:
         for test, others in zip(spec.tests, opponents, strict=True):
-            worst = WorstMatch(Parties.of(test.config))
-            grade = grade_agent(spec, test, student, others, worker.sandbox, keep=worst.keep)
-            found.append((grade, worst))
+            played: list[GradedMatch] = []
+            grade = grade_agent(spec, test, student, others, worker.sandbox, keep=played.append)
+            found.append((grade, worst_match(played, Parties.of(test.config).hunting)))
     finally:
         worker.close()  # no process of a student waits for the next one
-    _, worst = max(found, key=lambda one: (bool(one[0].failures), one[0].possible))
+    _, (party, result, replay) = max(found, key=lambda one: (bool(one[0].failures), one[0].possible))
     return Graded(
         name=submission.name,
         digest=student.digest,
         grades=tuple(grade for grade, _ in found),
-        log=last_lines(worst.log),
-        moment=worst.moment(),
+        log=last_lines(result.logs[party]),
+        moment=worst_moment(decode_replay(replay), party, result),
     )
+
+
+def worst_match(played: Sequence[GradedMatch], hunting: int) -> GradedMatch:
+    """Return the first match in which an agent failed, or else the one in which it did worst."""
+    return min(played, key=lambda one: merit(one.result, one.party, hunting))
 
 
 def spec_key(spec: GradingSpec, quotas: Quotas, opponents: Sequence[Sequence[Entrant]]) -> str:

@@ -11,8 +11,7 @@ from catch_arena.explanation.formatting import seconds
 from catch_arena.player import packed_text
 from catch_arena.player.bundle import encode_bundle
 from catch_arena.replay import Replay
-from catch_arena.replay.fileformat import decode_replay
-from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.parties import Parties
 
 _FAILED: Final = {
@@ -39,58 +38,30 @@ class Moment(msgspec.Struct, frozen=True):
     """Replay bundle of the match, without its seed."""
 
 
-class WorstMatch:
-    """Worst match of a student in a test so far: the first forfeit, else the worst score against the best other.
+def merit(result: MatchResult, party: int, hunting: int) -> tuple[bool, int]:
+    """Return how well a party did in a match, to be compared: a failure is worst, then its score counts.
 
-    Its method `keep` is for `grade_agent`.
-
-    Args:
-        parties: the parties of the test's arena.
+    The score of one of the `hunting` parties counts against the best other one; prey must be caught seldom.
     """
-
-    def __init__(self, parties: Parties) -> None:
-        self._parties = parties
-        self._worst: tuple[bool, int] | None = None
-        self._replay = b""
-        self._seat = 0
-        self._forfeit: Forfeit | None = None
-        self.log = ""
-        """Output of the student's agent in the match."""
-
-    def keep(self, party: int, result: MatchResult, replay: bytes) -> None:
-        """Keep a match if it is worse than all before."""
-        forfeit, hunting = result.forfeits[party], self._parties.hunting
-        behind = result.scores[party] if party >= hunting else -lead(result, party, hunting)
-        badness = (True, 0) if forfeit is not None else (False, behind)
-        if self._worst is None or badness > self._worst:
-            self._worst, self._replay, self._forfeit, self.log = badness, replay, forfeit, result.logs[party]
-            self._seat = self._parties.seats[party][0]
-
-    def moment(self) -> Moment | None:
-        """Return the worst moment of the match; None if the agent did not begin it.
-
-        Raises:
-            ReplayError: if the match does not play as recorded.
-        """
-        if self._worst is None or (self._forfeit is not None and not self._forfeit.step):
-            return None
-        return worst_moment(decode_replay(self._replay), self._seat, self._forfeit)
-
-
-def lead(result: MatchResult, party: int, hunting: int) -> int:
-    """Return the score of a party minus the best score of the others, among the `hunting` parties that hunt."""
+    if result.forfeits[party] is not None:
+        return False, 0
+    if party >= hunting:
+        return True, -result.scores[party]
     others = (score for other, score in enumerate(result.scores[:hunting]) if other != party)
-    return result.scores[party] - max(others, default=0)
+    return True, result.scores[party] - max(others, default=0)
 
 
-def worst_moment(replay: Replay, seat: int, forfeit: Forfeit | None) -> Moment:
-    """Return the moment of an agent's failure, in the seat that failed, or else its worst moment in a match.
+def worst_moment(replay: Replay, party: int, result: MatchResult) -> Moment | None:
+    """Return the moment in which a party failed, or else its worst moment in a match; None if it did not begin.
 
     Raises:
         ReplayError: if the match does not play as recorded.
     """
+    seat, forfeit = Parties.of(replay.config).seats[party][0], result.forfeits[party]
     if forfeit is None:
         return moment_of(replay, seat, *_worst_moment(replay, seat))
+    if not forfeit.step:
+        return None
     seat = seat if forfeit.seat < 0 else forfeit.seat
     at_ms = (forfeit.step - 1) * replay.config.control_period_ms
     return moment_of(replay, seat, at_ms, str(forfeit), f"{_FAILED[forfeit.code]} here, step {forfeit.step}")

@@ -4,10 +4,10 @@ from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from typing import Final, NamedTuple
 
-from catch_arena.classroom.moments import Moment, lead, moment_of
+from catch_arena.classroom.moments import Moment, merit, moment_of
 from catch_arena.explanation import explain
 from catch_arena.replay import Replay
-from catch_arena.tournament.match import Forfeit, PlayedMatch
+from catch_arena.tournament.match import Forfeit, MatchResult, PlayedMatch
 from catch_arena.tournament.parties import Parties
 
 _NEWEST: Final = 3
@@ -36,18 +36,15 @@ def parts_of_entrants(played: Sequence[PlayedMatch]) -> Mapping[int, list[Part]]
 
 
 def best_and_worst(parts: Sequence[Part], parties: Parties) -> tuple[Part, Part] | None:
-    """Return the matches in which an entrant was best and worst as a hunter; None if it played none.
-
-    A failure during a match is worst. Other matches are compared by its score minus the best other score.
-    """
+    """Return the matches in which an entrant was best and worst as a hunter; None if it played none."""
     hunted = [part for part in parts if part.party < parties.hunting]
     if not hunted:
         return None
 
-    def goodness(part: Part) -> tuple[bool, int]:
-        return part.forfeit is None or not part.forfeit.step, lead(part.one.result, part.party, parties.hunting)
+    def merit_in(part: Part) -> tuple[bool, int]:
+        return merit(part.one.result, part.party, parties.hunting)
 
-    return max(hunted, key=goodness), min(hunted, key=goodness)
+    return max(hunted, key=merit_in), min(hunted, key=merit_in)
 
 
 def matches_kept(parts: Sequence[Part], parties: Parties) -> set[str]:
@@ -55,8 +52,15 @@ def matches_kept(parts: Sequence[Part], parties: Parties) -> set[str]:
     return {part.one.match.id for part in (*(best_and_worst(parts, parties) or ()), *parts[-_NEWEST:])}
 
 
-def best_moment(replay: Replay, seat: int) -> Moment:
-    """Return the contest of a match that a hunter won by least, or its last catch, or the match's start."""
+def best_moment(replay: Replay, party: int, result: MatchResult) -> Moment | None:
+    """Return the contest of a match that a party won by least, or its last catch, or the start; None if it failed.
+
+    Raises:
+        ReplayError: if the match does not play as recorded.
+    """
+    if result.forfeits[party] is not None:
+        return None
+    seat = Parties.of(replay.config).seats[party][0]
     match = explain(replay, seat)
     won = [contest for contest in match.contests if contest.claims[0].seat == seat and not contest.claims[1].mate]
     caught = [catch for catch in match.catches if catch.seat == seat]

@@ -165,18 +165,13 @@ def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapp
 
 def _moments(league: League, parts: Sequence[Part]) -> list[tuple[str, Moment]]:
     """Return the best and the worst moment of an entrant, each with its heading, as far as their replays are there."""
-    found = best_and_worst(parts, league.parties)
+    kinds = ("The best moment", best_moment), ("The worst moment", worst_moment)
     moments = []
-    for heading, part in zip(("The best moment", "The worst moment"), found or (), strict=False):
-        forfeit, seat = part.forfeit, league.parties.seats[part.party][0]
-        if forfeit is not None and (not forfeit.step or heading == "The best moment"):
-            continue
-        try:
+    for (heading, moment_in), part in zip(kinds, best_and_worst(parts, league.parties) or (), strict=False):
+        with suppress(ReplayError):  # a user removed it
             replay = Replay.load(league.state / REPLAYS / f"{part.one.match.id}.replay")
-            moment = best_moment(replay, seat) if heading == "The best moment" else worst_moment(replay, seat, forfeit)
-        except ReplayError:  # a user removed it
-            continue
-        moments.append((heading, moment))
+            if moment := moment_in(replay, part.party, part.one.result):
+                moments.append((heading, moment))
     return moments
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from io import BytesIO
 from itertools import cycle, islice
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 from xml.etree import ElementTree as ET
 
 from catch_arena.config import RULESET, ArenaConfig
@@ -85,6 +85,16 @@ class TestGrade:
         return {name: getattr(self, name) for name in known} | dict(self.figures)
 
 
+class GradedMatch(NamedTuple):
+    """Match of a test."""
+
+    party: int
+    """Party of the graded agent."""
+    result: MatchResult
+    replay: bytes
+    """Content of the replay's file."""
+
+
 def enter_opponents(spec: GradingSpec, inspect: Callable[[str], Inspection]) -> list[tuple[Entrant, ...]]:
     """Return the opponents in each test of a spec.
 
@@ -129,7 +139,7 @@ def grade_agent(
     opponents: Sequence[Entrant],
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
-    keep: Callable[[int, MatchResult, bytes], None] | None = None,
+    keep: Callable[[GradedMatch], object] | None = None,
 ) -> TestGrade:
     """Play the matches of a test, with the student's agent in each seat in turn, and return its grade.
 
@@ -142,8 +152,7 @@ def grade_agent(
         opponents: agents for the other seats, from the first again if there are more seats.
         sandbox: runs agents that are not trusted; None if all are trusted.
         progress: called with (played, total) matches after each match.
-        keep: called with (the student's party, result, content of the replay's file) after each match; None to make no
-            replays.
+        keep: called with each match after it; None to make no replays.
 
     Raises:
         MatchFailedError: if a match could not be held.
@@ -165,7 +174,7 @@ def grade_agent(
         )
         played.append((party, result))
         if keep is not None and replay is not None:
-            keep(party, result, replay.getvalue())
+            keep(GradedMatch(party, result, replay.getvalue()))
         progress(len(played), len(matches))
         forfeit = result.forfeits[party]
         forfeited = 0 if forfeit is None else forfeited + 1

@@ -20,15 +20,13 @@ from command_line import run
 from tournament.agents import source
 
 import catch_arena
-from catch_arena.classroom.grading import Graded, grade_class
-from catch_arena.classroom.moments import WorstMatch
+from catch_arena.classroom.grading import Graded, grade_class, worst_match
 from catch_arena.classroom.submissions import find_submissions
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, MatchFailedError
-from catch_arena.scenarios import scenario
 from catch_arena.tournament.execution.executors import Executor, Worker
+from catch_arena.tournament.grading import GradedMatch
 from catch_arena.tournament.match import Forfeit, MatchResult
-from catch_arena.tournament.parties import Parties
 
 SPEC = """
 title = "Exercise 1"
@@ -183,7 +181,7 @@ def test_a_page_has_the_last_whole_lines_of_the_log_of_the_match_that_it_plays(t
 
 
 def test_the_first_forfeit_is_the_worst_match_though_a_later_one_has_fewer_catches():
-    worst = WorstMatch(Parties.of(scenario("duel")))
+    played = []
     for log, scores, forfeit in (
         ("no forfeit", (0, 9), None),
         ("first", (5, 2), Forfeit("FORFEIT_CRASH", 40, "")),
@@ -191,8 +189,8 @@ def test_the_first_forfeit_is_the_worst_match_though_a_later_one_has_fewer_catch
     ):
         both = ({}, {})
         result = MatchResult(scores, (1, 1), both, (0, 0), (0, 0), 40, "", (forfeit, None), (), (log, ""))
-        worst.keep(0, result, b"")
-    assert worst.log == "first"
+        played.append(GradedMatch(0, result, b""))
+    assert worst_match(played, 2).result.logs[0] == "first"
 
 
 def test_late_and_similar_submissions_are_for_the_teacher_only(graded):
