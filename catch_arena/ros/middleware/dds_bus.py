@@ -25,7 +25,7 @@ from cyclonedds.util import duration
 
 from catch_arena.errors import BusError
 from catch_arena.ros.middleware.bus import DEPTH, SERVICE_DEPTH, SPIN_S, Bus, Client, Log, OnceLog, Request
-from catch_arena.ros.middleware.dds_domain import FAST_DDS, FastDdsWatch, code_of, is_fast_dds, join, ros_name
+from catch_arena.ros.middleware.dds_domain import FAST_DDS, code_of, fast_dds_watch, is_fast_dds, join, ros_name
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes, values_by_field
 from catch_arena.ros.middleware.typestore import type_hash
 from catch_arena.text import one_line
@@ -63,7 +63,9 @@ class DdsBus(Bus):
         self._late_replies: list[Callable[[], None]] = []
         """Functions that send responses to clients whose readers were not matched before."""
         self._ids = count(1)
-        self._watch = FastDdsWatch(self._participant, log)
+        self._not_with_fast_dds: set[str] = set()
+        """DDS topics that do not work between Fast DDS and Cyclone."""
+        self._watch = fast_dds_watch(self._participant, self._not_with_fast_dds, log)
 
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic."""
@@ -134,7 +136,7 @@ class DdsBus(Bus):
         late, self._late_replies = self._late_replies, []
         for reply in late:
             reply()
-        self._watch.look()
+        next(self._watch, None)
 
     def close(self) -> None:
         """Leave the bus."""
@@ -196,7 +198,7 @@ class DdsBus(Bus):
 
     def _topic(self, topic: str, kind: MessageType) -> Topic[Any]:
         if topic.startswith("rq") or any(field.is_sequence for field in kind.fields):
-            self._watch.topics.add(topic)  # Fast DDS 3.2 takes no type of Cyclone's that holds a list
+            self._not_with_fast_dds.add(topic)  # Fast DDS 3.2 takes no type of Cyclone's that holds a list
         return Topic(self._participant, topic, idl_struct(kind))
 
 

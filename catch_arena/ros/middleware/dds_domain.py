@@ -4,7 +4,7 @@ Over cyclonedds, services and lists of nodes with Fast DDS, ROS's default middle
 """
 
 import os
-from collections.abc import Mapping
+from collections.abc import Collection, Generator, Mapping
 from typing import Final
 
 from cyclonedds.builtin import BuiltinDataReader, BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription
@@ -84,31 +84,20 @@ def is_fast_dds(process: str) -> bool:
     return process.replace("-", "").startswith(_VENDOR)
 
 
-class FastDdsWatch:
-    """Watch that warns once if a node with Fast DDS uses a topic that does not work between it and Cyclone.
+def fast_dds_watch(participant: DomainParticipant, topics: Collection[str], log: Log) -> Generator[None, None, None]:
+    """Examine some of the readers and writers that have appeared, again for each `next`; end with the first warning.
 
     Args:
         participant: DDS participant of this process.
-        log: takes the line.
+        topics: DDS topics that do not work between Fast DDS and Cyclone; more may come.
+        log: takes one line about a node with Fast DDS that uses such a topic.
     """
-
-    def __init__(self, participant: DomainParticipant, log: Log) -> None:
-        self._appeared = [
-            BuiltinDataReader(participant, kind) for kind in (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)
-        ]
-        self._log = log
-        self.topics: set[str] = set()
-        """DDS topics that do not work between Fast DDS and Cyclone."""
-
-    def look(self) -> None:
-        """Examine some of the readers and writers that have appeared."""
-        found = [one for reader in self._appeared for one in reader.take(_IN_ONE_SPIN) if one.sample_info.valid_data]
-        for one in found:
-            if one.topic_name in self.topics and is_fast_dds(str(one.participant_key)):
-                self._log(f"warning: {FAST_DDS.format(use=f'uses {ros_name(one.topic_name)}')}")
-                self.close()
+    readers = [
+        BuiltinDataReader(participant, kind) for kind in (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)
+    ]
+    while True:
+        for one in (one for reader in readers for one in reader.take(_IN_ONE_SPIN) if one.sample_info.valid_data):
+            if one.topic_name in topics and is_fast_dds(str(one.participant_key)):
+                log(f"warning: {FAST_DDS.format(use=f'uses {ros_name(one.topic_name)}')}")
                 return
-
-    def close(self) -> None:
-        """Stop examining readers and writers."""
-        self._appeared.clear()
+        yield

@@ -9,7 +9,13 @@ from operator import attrgetter
 from typing import Any
 
 from catch_arena.ros.middleware.bus import DEPTH, SPIN_S, Bus, Client, Endpoint, EndpointKind, Request
-from catch_arena.ros.middleware.interfaces import Interfaces, MessageType, ServiceType, from_attributes
+from catch_arena.ros.middleware.interfaces import (
+    Interfaces,
+    MessageType,
+    ServiceType,
+    from_attributes,
+    values_by_field,
+)
 from catch_arena.ros.middleware.ros_types import found_types, ros_class, turtlesim_package
 
 
@@ -190,15 +196,9 @@ def _full_name(namespace: str, name: str) -> str:
 
 def to_ros(kind: MessageType, message: Any, target: Any) -> Any:
     """Fill ROS's message from ours."""
-    for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
-        if not name:
-            continue
+    values = values_by_field(kind, message, lambda word, one: to_ros(word, one, ros_class(word.name)()))
+    for name, value in values.items():
         outer, _, inner = name.rpartition(".")
-        holder = attrgetter(outer)(target) if outer else target
-        if isinstance(word, str):
-            setattr(holder, inner, value)
-        elif is_sequence:
-            setattr(holder, inner, [to_ros(word, one, ros_class(word.name)()) for one in value])
-        else:
-            to_ros(word, value, getattr(holder, inner))
+        if name:
+            setattr(attrgetter(outer)(target) if outer else target, inner, value)
     return target
