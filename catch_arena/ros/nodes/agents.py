@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from catch_arena.envs.actions import checked_action
 from catch_arena.errors import ActionError
@@ -18,15 +18,6 @@ from catch_arena.tournament.secret import agent_seed
 
 ACT_EVERY_MS: Final = 100
 """R1.3: the usual control period [ms], so that agents play as in any other match."""
-
-
-class AgentActions(NamedTuple):
-    """Actions of the agents in one step."""
-
-    cmd_vel: dict[str, Twist]
-    active_targets: dict[str, str]
-    """Target that the arena's controller drives to, by hunter (R4.1)."""
-    requests: list[tuple[str, CatchTurtleRequest]]
 
 
 class AgentSeats:
@@ -46,8 +37,10 @@ class AgentSeats:
         self._seen: Mapping[int, Sequence[str]] = {}
         """Names of the targets by rank, as they were when the agents were asked."""
         self._next_ms = 0
-        self._cmd_vel: dict[str, Twist] = {}
-        self._active_targets: dict[str, str] = {}
+        self.cmd_vel: dict[str, Twist] = {}
+        """Twists of the hunters."""
+        self.active_targets: dict[str, str] = {}
+        """Target that the arena's controller drives to, by hunter (R4.1)."""
         self.forfeits: dict[int, int] = {}
         """The step in which an agent failed, by seat: it is ranked last."""
 
@@ -57,7 +50,7 @@ class AgentSeats:
             self._moves.exception()  # wait for the answers about the previous match, and drop them
             self._moves = None
         self._next_ms = 0
-        for hunters in (self._cmd_vel, self._active_targets, self.forfeits):
+        for hunters in (self.cmd_vel, self.active_targets, self.forfeits):
             hunters.clear()
         config = self._service.config
         seats = range(config.hunters)
@@ -65,8 +58,8 @@ class AgentSeats:
         for seat, fault in self._players.reset([agent_seed(seed, seat) for seat in seats], limits).items():
             self._forfeit(seat, f"{fault.code}: {fault.reason}")
 
-    def act(self, now_ms: int) -> AgentActions:
-        """Return the agents' actions in the step that begins now."""
+    def act(self, now_ms: int) -> list[tuple[str, CatchTurtleRequest]]:
+        """Take the actions that have come, ask for the next ones, and return the requests of this step."""
         requests: list[tuple[str, CatchTurtleRequest]] = []
         if self._moves is not None and self._moves.done():
             moves, self._moves = self._moves.result(), None
@@ -83,7 +76,7 @@ class AgentSeats:
             views = {seat: self._service.observe(hunter) for seat, hunter in playing.items()}
             self._seen = {seat: self._service.targets_seen(hunter) for seat, hunter in playing.items()}
             self._moves = self._thread.submit(self._players.act, views)
-        return AgentActions(dict(self._cmd_vel), dict(self._active_targets), requests)
+        return requests
 
     def close(self) -> None:
         """End the thread."""
@@ -92,20 +85,20 @@ class AgentSeats:
     def _take(self, seat: int, action: Any, requests: list[tuple[str, CatchTurtleRequest]]) -> None:
         config, hunter, seen = self._service.config, self._hunters[seat], self._seen[seat]
         control = config.controls[seat]
-        self._active_targets.pop(hunter, None)
+        self.active_targets.pop(hunter, None)
         rank, command = checked_action(control, hunter, action, config.targets_seen)
         if 0 < rank <= len(seen):
             if control == "target":
-                self._active_targets[hunter] = seen[rank - 1]
+                self.active_targets[hunter] = seen[rank - 1]
             else:
                 requests.append((hunter, CatchTurtleRequest(seen[rank - 1])))
-        self._cmd_vel[hunter] = Twist(command[0] * config.max_speeds[seat], command[1] * config.max_turn_rates[seat])
+        self.cmd_vel[hunter] = Twist(command[0] * config.max_speeds[seat], command[1] * config.max_turn_rates[seat])
 
     def _forfeit(self, seat: int, fault: str) -> None:
         hunter = self._hunters[seat]
         self.forfeits[seat] = self._service.world.step
         self._players.drop(seat)
-        self._cmd_vel.pop(hunter, None)
-        self._active_targets.pop(hunter, None)
+        self.cmd_vel.pop(hunter, None)
+        self.active_targets.pop(hunter, None)
         self._service.withdraw(hunter)
         self._log(f"{hunter} forfeits and is withdrawn: {one_line(fault)}")

@@ -147,10 +147,9 @@ class ArenaNode:
         pending, self._pending = self._pending, []
         requests = [(seat.hunter, CatchTurtleRequest(request.message.name)) for seat, request in pending]
         if self._agents is not None and not self._service.over:
-            actions = self._agents.act(before.time_ms)
-            commands |= actions.cmd_vel
-            active_targets = actions.active_targets
-            requests += actions.requests
+            requests += self._agents.act(before.time_ms)
+            commands |= self._agents.cmd_vel
+            active_targets = self._agents.active_targets
         rulings = self._service.step(commands, requests, active_targets)
         for (seat, request), ruling in zip(pending, rulings, strict=False):
             request.answer(CatchTurtleResponse(ruling.success))

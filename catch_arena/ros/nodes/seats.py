@@ -38,10 +38,10 @@ class RosSeat:
         """State: "new" until a node drives it, then "driven"; after that "left", or "silent" if no line was logged."""
         self._log, self._log_once = log, OnceLog(log)
         self._twist = STANDING_STILL
-        self._has_new_twist = False
+        self._twist_ms: int | None = -WATCHDOG_MS
+        """Time of the last Twist [ms]; None if it came after the last step."""
         self._had_publishers = False
         """True if a node that could drive it was on the bus."""
-        self._last_twist_ms = -WATCHDOG_MS
         self._reach_m = config.reaches[seat]
         self._too_far_um: list[int] = []
         """Distances of its node's requests that were out of reach."""
@@ -60,7 +60,7 @@ class RosSeat:
             self._log(f"{self.hunter}: its node {'is there' if self.state == 'new' else 'is back'}")
         self.state = "driven"
         self._twist = Twist(*(min(max(value, -_FASTEST), _FASTEST) for value in (speed, turn_rate)))
-        self._has_new_twist = True
+        self._twist_ms = None
 
     def command(self, now_ms: int, tick_ms: int, *, targets: bool) -> Twist:
         """R2.4: return the last Twist in each step, and zero at the first tick more than a second after it came.
@@ -70,10 +70,9 @@ class RosSeat:
             tick_ms: time of the step's tick [ms].
             targets: whether there is a target to drive to; without one, silence of a node is not logged.
         """
-        if self._has_new_twist:
-            self._has_new_twist = False
-            self._last_twist_ms = now_ms
-        if tick_ms - self._last_twist_ms > WATCHDOG_MS:
+        if self._twist_ms is None:
+            self._twist_ms = now_ms
+        if tick_ms - self._twist_ms > WATCHDOG_MS:
             if self.state == "driven" and targets:
                 self._leave("is silent")
             elif self.state == "driven":
@@ -137,8 +136,7 @@ class RosSeat:
 
     def stop(self) -> None:
         """Stand still until the next Twist."""
-        self._twist, self._has_new_twist = STANDING_STILL, False
-        self._last_twist_ms = -WATCHDOG_MS
+        self._twist, self._twist_ms = STANDING_STILL, -WATCHDOG_MS
 
     def _leave(self, reason: str) -> None:
         self.state = "left"
