@@ -60,11 +60,6 @@ class Track:
         x, y, theta = interpolate(start[:3], stop[:3], part)
         return Pose(x, y, math.remainder(theta, math.tau), *stop[3:])
 
-    @property
-    def end_ms(self) -> float:
-        """Time of the last pose."""
-        return self.times_ms[-1]
-
 
 @dataclass(frozen=True, slots=True)
 class BagContents:

@@ -21,9 +21,6 @@ from catch_arena.ros.bags.rulings import JudgedCatch
 from catch_arena.scenarios import scenario
 from catch_arena.world import HunterState, TargetState, World
 
-_SILENT_MS = 500.0
-"""Time without a pose before the bag's end [ms] after which a hunter counts as gone."""
-
 
 def render_bag(
     bag: BagContents,
@@ -93,16 +90,13 @@ def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[Worl
             time_ms,
             tick,
             TURTLESIM_SIDE_M,
-            tuple(_hunter(bag, name, seat, time_ms, scores[seat]) for seat, name in enumerate(bag.hunters)),
+            tuple(
+                HunterState(name, *track.at(time_ms), team=seat, score=scores[seat])
+                for seat, (name, track) in enumerate(bag.hunters.items())
+            ),
             tuple(_target(one, *born[name]) for name, one in listed.items()),
             tuple(one.ruling for one in catches),
         )
-
-
-def _hunter(bag: BagContents, name: str, seat: int, time_ms: float, score: int) -> HunterState:
-    track = bag.hunters[name]
-    gone = time_ms > track.end_ms and bag.end_ms - track.end_ms > _SILENT_MS
-    return HunterState(name, *track.at(time_ms), team=seat, score=score, withdrawn=gone)
 
 
 def _target(listed: Turtle, number: int, spawned_ms: int) -> TargetState:
