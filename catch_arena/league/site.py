@@ -40,6 +40,8 @@ class Line:
     """Line of an entry in the table."""
 
     entry: Entry
+    entrant: int | None
+    """Index of its entrant in the store; None if no version has passed the check."""
     page: str
     """Name of its page; empty for an entry without one."""
     color: str
@@ -49,7 +51,8 @@ class Line:
     """Change of the rating since the last day on which the league ran before; None if it is unknown [points]."""
     status: str
     """Empty, or why its rating is not precise yet."""
-    matches: int
+    parts: Sequence[Part]
+    """Matches that it played, in the order of the plan."""
     wins: float | None
     """Share of the matches that it won, in [0, 1]."""
     version: int
@@ -109,14 +112,15 @@ def _lines(league: League) -> list[Line]:
         lines.append(
             Line(
                 entry,
+                index,
                 f"person_{league.numbers[entry.key]}.html" if entry.kind == "person" else "",
                 "" if index is None else css(agent_color(league.rules.config, index)),
                 now,
                 now.rating - before[-1] if now is not None and before else None,
                 _status(league, index),
-                len(parts),
+                parts,
                 sum(won) / len(won) if won else None,
-                next((one.number for one in versions if one.entrant is not None and one.entrant == index), 0),
+                0 if index is None else next(one.number for one in versions if one.entrant == index),
                 versions,
             )
         )
@@ -135,9 +139,7 @@ def _status(league: League, entrant: int | None) -> str:
 
 def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapping[str, Any]) -> str:
     """Return the page of a person."""
-    index = league.current.get(line.entry.key)
-    parts = [] if index is None else league.parts.get(index, [])
-    moments = _moments(league, parts)
+    moments = _moments(league, line.parts)
     element, script = (element_script() if moments else ""), page_file("catch_arena.player", "moment.js")
     failed = [one for one in line.versions if one.entrant is None and one.digest == line.entry.digest]
     return _template("person.html").render(
@@ -147,15 +149,13 @@ def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapp
         failed=failed[0] if failed else None,
         versions=[(one, _last_rating(league.ratings, one)) for one in reversed(line.versions)],
         chart=_chart(league.ratings, [line]),
-        meetings=_meetings(
-            parts, league, {league.current[one.entry.key]: one for one in lines if one.entry.key in league.current}
-        ),
-        matches=[*reversed(parts[-_MATCHES:])],
-        forfeits=[part for part in reversed(parts) if part.forfeit][:_MATCHES],
+        meetings=_meetings(line.parts, league, {one.entrant: one for one in lines}),
+        matches=line.parts[: -_MATCHES - 1 : -1],
+        forfeits=[part for part in reversed(line.parts) if part.forfeit][:_MATCHES],
         entrants=league.entrants,
         parties=league.parties,
         moments=moments,
-        log="" if index is None else _log(league, index),
+        log="" if line.entrant is None else _log(league, line.entrant),
         policy=page_policy(element, script),
         element=element,
         style=page_style(_PAGE, "league.css"),
@@ -175,19 +175,16 @@ def _moments(league: League, parts: Sequence[Part]) -> list[tuple[str, Moment]]:
     return moments
 
 
-def _meetings(parts: Iterable[Part], league: League, lines: Mapping[int, Line]) -> list[dict[str, Any]]:
+def _meetings(parts: Iterable[Part], league: League, lines: Mapping[int | None, Line]) -> list[dict[str, Any]]:
     """Return the results against each present opponent, the one that was met most often first."""
     found: dict[int, list[int]] = {}
-    for part in parts:
+    hunting = league.parties.hunting
+    for part in (part for part in parts if part.party < hunting):
         ranks, seating = part.one.result.ranks, part.one.match.seating
-        for party in range(league.parties.hunting):
-            if (
-                seating[party] in lines
-                and seating[party] != seating[part.party]
-                and part.party < league.parties.hunting
-            ):
-                order = (ranks[part.party] > ranks[party]) - (ranks[part.party] < ranks[party])
-                found.setdefault(seating[party], [0, 0, 0])[order + 1] += 1
+        for other, rank in zip(seating[:hunting], ranks, strict=False):
+            if other in lines and other != seating[part.party]:
+                order = (ranks[part.party] > rank) - (ranks[part.party] < rank)
+                found.setdefault(other, [0, 0, 0])[order + 1] += 1
     return [
         {"line": lines[other], "name": league.entrants[other].name, "wins": wins, "ties": ties, "losses": losses}
         for other, (wins, ties, losses) in sorted(found.items(), key=lambda one: -sum(one[1]))
@@ -213,7 +210,7 @@ def _axis(ratings: Iterable[RatingThen]) -> Axis:
 def _chart(ratings: Sequence[RatingThen], lines: Sequence[Line]) -> dict[str, Any] | None:
     """Return the ratings of some entries over time, as points in a square of 100; None for fewer than two runs."""
     times = sorted({one.time for one in ratings})
-    own = {line.entry.key: {one.entrant for one in line.versions if one.entrant is not None} for line in lines}
+    own = {line.entry.key: {version.entrant for version in line.versions} for line in lines}
     shown = {key: [one for one in ratings if one.entrant in entrants] for key, entrants in own.items()}
     if len(times) < 2 or not any(shown.values()):
         return None
