@@ -35,6 +35,8 @@ _REPLY_WAIT_S: Final = 0.1
 """Longest wait of a response for its client's reader, which may be discovered after the request [s]."""
 _MISSING_MEMBER: Final = "structure_needs_at_least_one_member"
 """The byte that ROS puts into a type without fields."""
+_WORDS: Final[dict[str, Any]] = {"bool": bool, "string": str}
+"""The package's types that have other names than ROS's."""
 _sequence: Final[Any] = types.sequence
 
 OnSample = Callable[[Any], object]
@@ -69,12 +71,12 @@ class DdsBus(Bus):
 
     def publisher(self, topic: str, kind: MessageType) -> Callable[[Any], None]:
         """Announce a topic."""
-        writer = self._writer(f"rt{topic}", kind, _announced(kind))
+        writer = self._writer(f"rt{topic}", kind)
         return lambda message: self._write(writer, to_sample(kind, message))
 
     def subscribe(self, topic: str, kind: MessageType, on_message: Callable[[Any], object]) -> None:
         """Subscribe to a topic."""
-        self._reader(f"rt{topic}", kind, _announced(kind), lambda sample: on_message(from_attributes(kind, sample)))
+        self._reader(f"rt{topic}", kind, lambda sample: on_message(from_attributes(kind, sample)))
 
     def serve(self, service: str, kind: ServiceType, on_request: Callable[[Request], object]) -> None:
         """Answer a service."""
@@ -88,7 +90,7 @@ class DdsBus(Bus):
 
             on_request(Request(from_attributes(kind.request, sample), answer))
 
-        requests = self._reader(f"rq{service}Request", kind.request, user, on_sample)
+        requests = self._reader(f"rq{service}Request", kind.request, on_sample, user)
 
     def client(self, service: str, kind: ServiceType) -> Client:
         """Return a client of a service."""
@@ -102,7 +104,7 @@ class DdsBus(Bus):
             if sample.client == own and (call := calls.pop(sample.number, None)) is not None:
                 call.set_result(from_attributes(kind.response, sample))
 
-        replies = self._reader(f"rr{service}Reply", kind.response, user, on_sample)
+        replies = self._reader(f"rr{service}Reply", kind.response, on_sample, user)
 
         def ready() -> bool:
             servers = writer.get_matched_subscriptions()
@@ -185,12 +187,11 @@ class DdsBus(Bus):
         head = self._participant.guid.bytes[:12]
         return ".".join(f"{byte:x}" for byte in head + next(self._ids).to_bytes(4, "big"))
 
-    def _writer(self, topic: str, kind: MessageType, user: str) -> DataWriter[Any]:
-        lifecycle = Policy.WriterDataLifecycle(autodispose=False)
-        made: DataWriter[Any] = DataWriter(self._participant, self._topic(topic, kind), qos=_qos(kind, user, lifecycle))
+    def _writer(self, topic: str, kind: MessageType, user: str = "") -> DataWriter[Any]:
+        made: DataWriter[Any] = DataWriter(self._participant, self._topic(topic, kind), qos=_qos(kind, user))
         return made
 
-    def _reader(self, topic: str, kind: MessageType, user: str, on_sample: OnSample) -> DataReader[Any]:
+    def _reader(self, topic: str, kind: MessageType, on_sample: OnSample, user: str = "") -> DataReader[Any]:
         made: DataReader[Any] = DataReader(self._participant, self._topic(topic, kind), qos=_qos(kind, user))
         self._waiting.attach(ReadCondition(made, Views.Any | Instances.Any | Samples.NotRead))
         self._readers[topic] = made, on_sample
@@ -206,21 +207,19 @@ def _is_of_service(kind: MessageType) -> bool:
     return "/srv/" in kind.name
 
 
-def _qos(kind: MessageType, user: str, *policies: Any) -> Qos:
-    """Return ROS's usual quality of service, and a text for other nodes; services have deeper queues."""
+def _qos(kind: MessageType, user: str) -> Qos:
+    """Return ROS's usual quality of service, and a text for other nodes; services have deeper queues.
+
+    Without another text a type's hash is announced: nodes of Iron and later warn of each topic without one.
+    """
     return Qos(
         Policy.Reliability.Reliable(duration(milliseconds=100)),
         Policy.Durability.Volatile,
         Policy.History.KeepLast(SERVICE_DEPTH if _is_of_service(kind) else DEPTH),
         Policy.DataRepresentation(use_cdrv0_representation=True),
-        Policy.Userdata(user.encode()),
-        *policies,
+        Policy.WriterDataLifecycle(autodispose=False),
+        Policy.Userdata((user or f"typehash={type_hash(kind)};").encode()),
     )
-
-
-def _announced(kind: MessageType) -> str:
-    """Return the text that announces a type's hash: nodes of Iron and later warn of each topic without one."""
-    return f"typehash={type_hash(kind)};"
 
 
 def dds_name(kind: MessageType) -> str:
@@ -234,16 +233,11 @@ def idl_struct(kind: MessageType) -> Any:
     """Return the package's own type of a message; those of services begin with the client's id and a number."""
     fields: dict[str, Any] = {"client": types.uint64, "number": types.int64} if _is_of_service(kind) else {}
     for name, word, is_sequence in kind.fields:
-        one: Any = _idl_type(word) if isinstance(word, str) else idl_struct(word)
+        one: Any = idl_struct(word) if isinstance(word, MessageType) else _WORDS.get(word) or getattr(types, word)
         fields[name] = _sequence[one] if is_sequence else one
     if not kind.fields:
         fields[_MISSING_MEMBER] = types.uint8
     return final(make_idl_struct(kind.name.rpartition("/")[2], dds_name(kind), fields))
-
-
-def _idl_type(word: str) -> Any:
-    """Return the package's type of a bool, a string or a number."""
-    return {"bool": bool, "string": str}.get(word) or getattr(types, word)
 
 
 def to_sample(kind: MessageType, message: Any, **header: int) -> Any:
