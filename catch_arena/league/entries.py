@@ -91,7 +91,7 @@ def find_entries(folder: Path, kind: Kind, report: Callable[[str], None], withou
     Raises:
         ConfigError: if the folder cannot be read, or if its sub-folder `site` is an entry.
     """
-    found: dict[str, list[Entry]] = {}
+    found: dict[str, list[Submission]] = {}
     if (folder / SITE / IN_FOLDER).exists():
         raise ConfigError(f"{folder / SITE}: is the folder of the pages; rename this entry")
     try:
@@ -106,14 +106,8 @@ def find_entries(folder: Path, kind: Kind, report: Callable[[str], None], withou
             report(f"warning: {printable(path.name)} is left out: {_reason(error)}")
             continue
         if submission is not None:
-            entry = _entry(submission, kind, report)
-            found.setdefault(entry.key.casefold(), []).append(entry)
-    entries = []
-    for same in found.values():
-        names = " and ".join(one.submission.path.name for one in same if one.submission is not None)
-        twice = f"{names} have one name; rename one of them" if len(same) > 1 else ""
-        entries.append(replace(same[0], fault=twice, digest=_hash(twice)) if twice else same[0])
-    return entries
+            found.setdefault(submission.name.casefold(), []).append(submission)
+    return [_entry(same, kind, report) for same in found.values()]
 
 
 def shipped_entries(group: int) -> list[Entry]:
@@ -144,12 +138,16 @@ def entrant_name(entry: Entry, number: int, taken: Sequence[Entrant]) -> str:
     return next(one for one in (name, *(f"{name}#{copy}" for copy in range(2, len(names) + 3))) if one not in names)
 
 
-def _entry(submission: Submission, kind: Kind, report: Callable[[str], None]) -> Entry:
-    """Return the entry of a submission, and report faults of its name and photo."""
+def _entry(same: Sequence[Submission], kind: Kind, report: Callable[[str], None]) -> Entry:
+    """Return the entry of the submissions with one name, which must be one, and report faults of its name and photo."""
+    submission = same[0]
     key = submission.name if kind == "person" else f"{kind}/{submission.name}"
     # the name must not change if other opponents come
     name = submission.name if kind == "person" else f"secret opponent {_hash(key)[:4]}"
     try:
+        if len(same) > 1:
+            names = " and ".join(one.path.name for one in same)
+            raise ConfigError(f"{names} have one name; rename one of them")
         files = _files(submission)
         if submission.path.is_symlink() or not files:
             raise ConfigError("it has no file that can be read; links are not followed")

@@ -7,6 +7,7 @@ from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 from functools import cached_property, partial
+from itertools import groupby
 from pathlib import Path
 from typing import Final
 
@@ -170,9 +171,7 @@ def update_league(
     entries = with_own_names([*shipped_entries(parties.group), *entries])
     with _opened(folder, rules, secret) as store:
         _add_versions(store, rules, entries, jobs, store.time_after(now), report)
-        versions: dict[str, list[Version]] = {}
-        for version in store.versions():
-            versions.setdefault(version.entry, []).append(version)
+        versions = {key: [*found] for key, found in groupby(store.versions(), lambda version: version.entry)}
         entrants = store.tournament.entrants
         league = League(folder, rules, entries, versions, entrants, [*store.played()], store.ratings())
         _play(store, league, executor_of, on_progress)
@@ -208,13 +207,13 @@ def _add_versions(
 ) -> None:
     """Check new and changed entries, and write their versions."""
     known = store.versions()
-    before = {(one.entry, one.digest) for one in known}
+    before = {(one.entry, one.digest): one.entrant for one in known}
     new = {one.key for one in entries if (one.key, one.digest) not in before}
     copies = prepare_folder(store.path.parent / _COPIES)
-    passed = {(one.entry, one.digest) for one in known if one.entrant is not None}
     agents: dict[str, str] = {}
     for entry in entries:
-        if entry.key in new or (entry.key, entry.digest) in passed:  # a person may have gone back to an old version
+        # a person may have gone back to an old version
+        if entry.key in new or before[entry.key, entry.digest] is not None:
             try:
                 agents[entry.key] = entry.copy_to(copies)
             except ConfigError as error:
