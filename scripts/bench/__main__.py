@@ -18,7 +18,8 @@ import platform
 import shlex
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
+from concurrent.futures import BrokenExecutor
 from contextlib import ExitStack
 from datetime import datetime, timezone
 from pathlib import Path
@@ -27,9 +28,8 @@ from typing import Any
 import ours
 import peers
 from side import Side
-from subject import Row
 from tables import written
-from versions import ROOT, UnmeasurableError, checked_out, commit_of, current
+from versions import ROOT, UnmeasurableError, check_out, current
 
 from catch_arena.cli.terminal import progress_bar
 
@@ -74,26 +74,21 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
     """
     compared = {ours.ONE_ARENA, ours.BATCH, ours.LARGE} if "peers" in args.only else set()
     own = {name: row for name, row in ours.rows().items() if row.group in args.only or name in compared}
+    versions = f"Catch Arena, {current()}, on {datetime.now(timezone.utc).date()}"
     with ExitStack() as stack:
-        work = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bench-")))
-        sides: dict[str, tuple[Side, Mapping[str, Row]]] = {}
-
-        def start(name: str, title: str, root: Path | None, rows: Mapping[str, Row]) -> None:
-            side = Side(title, root, work / name, args.pufferlib)
-            stack.callback(side.end)
-            sides[name] = side, rows
-
-        versions = f"Catch Arena, {current()}, on {datetime.now(timezone.utc).date()}"
+        folder = Path(stack.enter_context(tempfile.TemporaryDirectory(prefix="bench-")))
+        sides = {}
         if args.against:
-            commit = commit_of(args.against)
-            stack.enter_context(checked_out(commit, work / "older"))
-            start("before", f"{args.against} ({commit[:12]})", work / "older", own)
+            commit = check_out(args.against, folder / "older")
+            sides["before"] = Side(f"{args.against} ({commit[:12]})", folder / "older", folder / "before", own)
             versions = f"Before: the commit {commit[:12]}. Now: {versions}"
-        start("now", "the current version", ROOT, own)
+        sides["now"] = Side("the current version", ROOT, folder / "now", own)
         if "peers" in args.only:
-            start("peers", "it", None, peers.rows(args.pufferlib))
+            sides["peers"] = Side("it", None, folder / "peers", peers.rows(args.pufferlib))
+        for side in sides.values():
+            stack.callback(side.end)
         skipped = play(list(sides.values()), args.rounds, args.seconds)
-    if not any(side.rows for side, _ in sides.values()):
+    if not any(side.figures for side in sides.values()):
         raise UnmeasurableError(next(iter(skipped.values())))
     return {
         "machine": machine(),
@@ -101,31 +96,30 @@ def measure(args: argparse.Namespace) -> dict[str, Any]:
         "command": COMMAND,
         "rounds": f"Medians of {args.rounds} rounds, in turn",
         "skipped": skipped,
-        "versions": {name: side.rows for name, (side, _) in sides.items()},
+        "versions": {name: side.figures for name, side in sides.items()},
     }
 
 
-def play(chosen: Sequence[tuple[Side, Mapping[str, Row]]], rounds: int, seconds: float) -> dict[str, str]:
+def play(sides: Sequence[Side], rounds: int, seconds: float) -> dict[str, str]:
     """Play all rounds of all rows, and return the rows that could not be made, each with the reason."""
-    names = list(dict.fromkeys(name for _, rows in chosen for name in rows))
+    names = list(dict.fromkeys(name for side in sides for name in side.rows))
     skipped: dict[str, str] = {}
     print("compiling", file=sys.stderr)
     with progress_bar("measuring", total := (1 + rounds) * len(names)) as show:
         for done, name in enumerate(names):
-            sides = [(side, rows[name]) for side, rows in chosen if name in rows]
-            for side, _ in sides:  # at the same time, since compiling takes long
-                side.send("make", name, seconds)
-            for side, row in sides:
+            # at the same time, since compiling takes long
+            begun = [(side, side.make(name, seconds)) for side in sides if name in side.rows]
+            for side, sizes in begun:
                 try:
-                    side.rows[name] = {"unit": row.unit, **side.answer(), "cpu": [], "wall": []}
-                except UnmeasurableError as error:
+                    side.figures[name] = {"unit": side.rows[name].unit, **sizes.result(), "cpu": [], "wall": []}
+                except (UnmeasurableError, BrokenExecutor) as error:
                     skipped[name] = str(error)
             show(done + 1, total)
-        for side, _ in chosen:
-            side.rows = {name: row for name, row in side.rows.items() if name not in skipped}
+        for side in sides:
+            side.figures = {name: row for name, row in side.figures.items() if name not in skipped}
         for number in range(rounds):
             for done, name in enumerate(names):
-                sharing = [side for side, _ in chosen if name in side.rows]
+                sharing = [side for side in sides if name in side.figures]
                 for side in sharing if number % 2 == 0 else reversed(sharing):
                     side.play(name, seconds)
                 show((1 + number) * len(names) + done + 1, total)
@@ -154,7 +148,7 @@ def main() -> None:
     args = parse()
     try:
         figures = measure(args)
-    except UnmeasurableError as error:
+    except (UnmeasurableError, BrokenExecutor) as error:
         sys.exit(f"bench: {error}")
     text = written(figures)
     print(text)

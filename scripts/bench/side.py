@@ -4,7 +4,8 @@ import multiprocessing
 import os
 import signal
 import sys
-from multiprocessing.connection import Connection
+from collections.abc import Callable, Mapping
+from concurrent.futures import Future, ProcessPoolExecutor
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,8 @@ _ENVIRONMENT = {
     "XLA_FLAGS": "--xla_cpu_multi_thread_eigen=false intra_op_parallelism_threads=1",
     "JAX_PLATFORMS": "cpu",
 }
+_subjects: dict[str, Subject] = {}
+"""Subjects of a measuring process, by the name of the row."""
 
 
 class Side:
@@ -27,50 +30,35 @@ class Side:
         title: name in error messages.
         root: folder that holds the version's package; None for the peers.
         cache: folder for compiled code, which is kept from row to row.
-        pufferlib: PufferLib's unpacked source package, if there is one.
+        rows: rows to measure, by name.
     """
 
-    def __init__(self, title: str, root: Path | None, cache: Path, pufferlib: Path | None) -> None:
-        self.title = title
-        self.rows: dict[str, dict[str, Any]] = {}
-        """Rows by name: agents, envs and floats; "cpu" and "wall" have the times of a step [s], one for each round."""
-        context = multiprocessing.get_context("spawn")
-        self._pipe, end = context.Pipe()
-        self._process = context.Process(target=_serve, args=(end, root, cache, pufferlib), daemon=True)
-        self._process.start()
-        end.close()
+    def __init__(self, title: str, root: Path | None, cache: Path, rows: Mapping[str, Row]) -> None:
+        self.title, self.root, self.rows = title, root, rows
+        self.figures: dict[str, dict[str, Any]] = {}
+        """Agents, envs and floats of each row; "cpu" and "wall" have the times of a step [s], one for each round."""
+        self._process = ProcessPoolExecutor(1, multiprocessing.get_context("spawn"), _begin, (root, cache))
 
-    def send(self, verb: str, name: str, seconds: float) -> None:
-        """Send a request, "make" or "turn", without waiting for the answer."""
-        self._pipe.send((verb, name, seconds))
-
-    def answer(self) -> Any:
-        """Return the answer to the last request.
-
-        Raises:
-            UnmeasurableError: a row cannot be measured.
-        """
-        try:
-            found = self._pipe.recv()
-        except EOFError:
-            found = RuntimeError("its process has ended")
-        if isinstance(found, Exception):
-            raise UnmeasurableError(f"{self.title} cannot be measured: {' '.join(str(found).split())}")
-        return found
+    def make(self, name: str, seconds: float) -> "Future[dict[str, int]]":
+        """Begin to make a row's subject and to play an unmeasured turn; the result has the sizes of the subject."""
+        return self._start(_make, name, self.rows[name].make, seconds, self.root)
 
     def play(self, name: str, seconds: float) -> None:
         """Play one turn of a row, and keep its times."""
-        self.send("turn", name, seconds)
-        for clock, time_s in zip(("cpu", "wall"), self.answer(), strict=True):
-            self.rows[name][clock].append(time_s)
+        for clock, time_s in zip(("cpu", "wall"), self._start(_turn, name, seconds).result(), strict=True):
+            self.figures[name][clock].append(time_s)
 
     def end(self) -> None:
-        """End the process."""
-        self._process.kill()
+        """End the process, also while it measures."""
+        for process in self._process._processes.values():  # noqa: SLF001 - Python 3.14 has kill_workers()
+            process.kill()
+
+    def _start(self, work: Callable[..., Any], *arguments: object) -> "Future[Any]":
+        return self._process.submit(_run, self.title, work, *arguments)
 
 
-def _serve(pipe: Connection, root: Path | None, cache: Path, pufferlib: Path | None) -> None:
-    """Answer requests until the pipe is closed."""
+def _begin(root: Path | None, cache: Path) -> None:
+    """Prepare a measuring process; the rows import the package later, from the version's folder."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # the main process ends this one after Ctrl-C
     os.dup2(2, 1)  # prints of a peer must not stand among the tables
     os.environ |= {**_ENVIRONMENT, "PYTHONPATH": str(root or ""), "NUMBA_CACHE_DIR": str(cache)}
@@ -78,49 +66,42 @@ def _serve(pipe: Connection, root: Path | None, cache: Path, pufferlib: Path | N
     os.chdir(root or ROOT)
     if root:
         sys.path.insert(0, str(root))
-    made: dict[str, Subject] = {}
-    while True:
-        verb, name, seconds = pipe.recv()
-        try:
-            if verb == "make":
-                made[name] = _rows(root, pufferlib)[name].make()
-                pipe.send(_warm_up(made[name], seconds, root))
-            else:
-                pipe.send(_turn(made[name], seconds))
-        except Exception as error:  # noqa: BLE001 - peers and older versions may raise any error
-            pipe.send(RuntimeError(f"{type(error).__name__}: {error}"))
 
 
-def _rows(root: Path | None, pufferlib: Path | None) -> dict[str, Row]:
-    """Return the rows of this process; they are imported here, after the version's folder is on the path."""
-    if root:
-        import ours
+def _run(title: str, work: Callable[..., Any], *arguments: object) -> Any:
+    """Return the result of work in a measuring process.
 
-        return ours.rows()
-    import peers
+    Raises:
+        UnmeasurableError: for any error, since the main process may not know those of peers and older versions.
+    """
+    try:
+        return work(*arguments)
+    except Exception as error:  # noqa: BLE001
+        message = " ".join(f"{type(error).__name__}: {error}".split())
+        raise UnmeasurableError(f"{title} cannot be measured: {message}") from None
 
-    return peers.rows(pufferlib)
 
-
-def _warm_up(subject: Subject, seconds: float, root: Path | None) -> dict[str, int]:
-    """Play an unmeasured turn of a new subject, and return its sizes.
+def _make(name: str, make: Callable[[], Subject], seconds: float, root: Path | None) -> dict[str, int]:
+    """Make a row's subject and play an unmeasured turn of it; return its sizes.
 
     Raises:
         ImportError: Catch Arena was imported from another folder.
     """
-    subject.turn(seconds)
+    _subjects[name] = made = make()
+    made.turn(seconds)
     for module in [one for key, one in sys.modules.items() if key.partition(".")[0] == "catch_arena"]:
         file = getattr(module, "__file__", None)
         if root and file and not Path(file).is_relative_to(root):
             raise ImportError(f"{module.__name__} must come from {root}, not from {file}")
-    return {"agents": subject.agents, "envs": subject.envs, "floats": subject.floats}
+    return {"agents": made.agents, "envs": made.envs, "floats": made.floats}
 
 
-def _turn(subject: Subject, seconds: float) -> tuple[float, float]:
+def _turn(name: str, seconds: float) -> tuple[float, float]:
     """Play one turn, and return its times of a step [s]: CPU time and wall time.
 
     A single-threaded subject gets one fixed processor, since those of a shared machine differ in speed for minutes.
     """
+    subject = _subjects[name]
     if _PROCESSORS:
         os.sched_setaffinity(0, _PROCESSORS if subject.threads > 1 else {max(_PROCESSORS)})
     times = subject.turn(seconds)
