@@ -38,7 +38,7 @@ def imitate() -> None:
     teacher.reset(settings.seed)
     torch.set_num_threads(1)
     torch.manual_seed(settings.seed)
-    arenas, network = Arenas(settings), Network(settings)
+    arenas, network = Arenas(settings), Network(settings.head, settings.hidden, settings.prior)
     optimiser = torch.optim.Adam(network.parameters(), RATE, eps=1e-5)
     kept: list[tuple[tuple[torch.Tensor, ...], torch.Tensor]] = []
     rounds = -(-DECISIONS // arenas.batch.num_rows)
@@ -57,7 +57,7 @@ def imitate() -> None:
             optimiser.step()
         if moment % 100 == 0:
             print(f"round {moment} of {rounds}, loss {loss.item():.4f}", flush=True)
-    export(network.actor(), settings.out, "agent")
+    export(network.agent(), settings.out, "agent")
     print(f"{settings.out / 'agent.py'}: catch-arena check-agent {settings.out / 'agent.py'}")
 
 

@@ -43,8 +43,9 @@ from catch_arena.policy import Limits
 from catch_arena.scenarios import scenario
 from catch_arena.training import LearnerBatch
 from catch_arena.training.destinations import VERSION, Destinations, destinations
+from catch_arena.training.flat import FlatAgent
 from catch_arena.training.opponents import Opponents
-from catch_arena.training.pointer import CONTROL_OF, QUERIES, PointerAgent, PointerNetwork, drive, weight_shapes
+from catch_arena.training.pointer import CONTROL_OF, QUERIES, Head, PointerAgent, PointerNetwork, drive, weight_shapes
 
 ARENAS = 256  # stepped together
 HORIZON = 64  # decisions of each learner in a rollout
@@ -102,14 +103,14 @@ def settings_from(arguments: list[str]) -> tuple[Namespace, dict[str, Any] | Non
 class Network(nn.Module):
     """Actor, which is `PointerNetwork` in torch, and critic, which reads the first layer of the actor."""
 
-    def __init__(self, settings: Namespace) -> None:
+    def __init__(self, head: Head, hidden: int, prior: float) -> None:
         super().__init__()
-        self.head, hidden = settings.head, settings.hidden
+        self.head = head
         self.weights = nn.ParameterDict()
-        for name, shape in weight_shapes(self.head, hidden).items():
+        for name, shape in weight_shapes(head, hidden).items():
             if name != "prior":
                 self.weights[name] = nn.Parameter(torch.randn(shape) * (shape[0] ** -0.5 if len(shape) == 2 else 0.0))
-        self.weights["prior"] = nn.Parameter(torch.tensor(settings.prior), requires_grad=False)
+        self.weights["prior"] = nn.Parameter(torch.tensor(prior), requires_grad=False)
         self.weights["logit"] = nn.Parameter(torch.randn(hidden) * 0.01)  # small, so that a prior decides at first
         self.log_spread = nn.Parameter(torch.full((2,), float(np.log(SPREAD))))
         self.attend = nn.Linear(hidden, QUERIES, bias=False)
@@ -141,9 +142,10 @@ class Network(nn.Module):
         entropy = -(log_p.exp() * log_p.clamp(min=-20)).sum(1)
         return log_p.gather(1, choices[:, None])[:, 0], entropy
 
-    def actor(self) -> PointerNetwork:
-        """Return the actor in NumPy."""
-        return PointerNetwork(self.head, {name: one.detach().numpy().copy() for name, one in self.weights.items()})
+    def agent(self) -> PointerAgent:
+        """Return the actor in NumPy, which does not explore."""
+        weights = {name: one.detach().numpy().copy() for name, one in self.weights.items()}
+        return PointerAgent(PointerNetwork(self.head, weights))
 
     def load_actor(self, actor: PointerNetwork) -> None:
         """Copy the weights of an actor; weights that it lacks stay as they are."""
@@ -179,9 +181,9 @@ class Pool:
             share = beaten[figures["opponents"] == opponent].mean()
             self.beaten[opponent] += 0.05 * (share - self.beaten[opponent])
 
-    def grow(self, network: PointerNetwork) -> None:
+    def grow(self, agent: PointerAgent) -> None:
         """Add the present self, and retire the weakest if there are too many."""
-        self.opponents.add(PointerAgent(network))
+        self.opponents.add(agent)
         self.beaten, self.alive = np.append(self.beaten, 0.5), np.append(self.alive, True)
         present = np.flatnonzero(self.alive[self.scripted :]) + self.scripted
         if len(present) > MOST_SELVES:
@@ -315,15 +317,16 @@ AGENT = '''"""Agent that PPO has trained; its weights are in the .npz file next 
 
 from pathlib import Path
 
-{hunts}from catch_arena.training.{module} import {base}
+{hunts}from {module} import {base}
 
 
 class {kind}({base}):
     """Agent that plays as its network decides."""
 
     def __init__(self) -> None:
-        super().__init__(Path(__file__).with_suffix(".npz"){more})
+        super().__init__(Path(__file__).with_suffix(".npz"){trained})
 '''
+HUNTS = "from catch_arena.agents.nearest import Agent as Agent  # each entrant of a tournament hunts too\n"
 
 
 class Learner:
@@ -331,7 +334,7 @@ class Learner:
 
     def __init__(self, settings: Namespace) -> None:
         self.settings, self.out = settings, settings.out
-        self.arenas, self.network = Arenas(settings), Network(settings)
+        self.arenas, self.network = Arenas(settings), Network(settings.head, settings.hidden, settings.prior)
         self.pool = self.arenas.pool
         self.optimiser = torch.optim.Adam(self.network.parameters(), RATE, eps=1e-5)
         self.decisions, self.seconds = 0, 0.0
@@ -349,7 +352,7 @@ class Learner:
         before = self.decisions
         self.decisions += HORIZON * self.arenas.batch.num_rows
         if settings.self_play and self.decisions // SNAPSHOT > before // SNAPSHOT:
-            self.pool.grow(self.network.actor())
+            self.pool.grow(self.network.agent())
         self.pool.weigh()
         self.seconds = round(self.seconds + time.perf_counter() - begun, 3)
         figures["wins"] = float(self.pool.beaten[: self.pool.scripted].mean())
@@ -361,7 +364,7 @@ class Learner:
     def evaluate(self) -> None:
         """Play a tournament against fixed agents, and add it to curve.csv."""
         folder, rounds = self.out / "evaluation" / str(self.decisions), str(self.settings.evaluate_rounds)
-        export(self.network.actor(), folder, "ppo")
+        export(self.network.agent(), folder, "ppo")
         command = [sys.executable, "-m", "catch_arena", "tournament", str(folder / "ppo.py"), *AGAINST]
         command += ["--scenario", self.settings.scenario, "--rounds", rounds, "--seed", str(10**6 + self.settings.seed)]
         command += ["--trusted", "--force", "--out", str(folder / "results")]
@@ -375,7 +378,7 @@ class Learner:
 
     def save(self) -> None:
         """Write the agent, the tables and state.pt."""
-        export(self.network.actor(), self.out, "agent")
+        export(self.network.agent(), self.out, "agent")
         for name in ("progress", "curve"):
             if rows := getattr(self, name):
                 with whole_file(self.out / f"{name}.csv") as file:
@@ -403,17 +406,20 @@ class Learner:
         self.network.load_state_dict(state["network"])
         self.optimiser.load_state_dict(state["optimiser"])
         for weights in state["selves"]:
-            self.pool.grow(PointerNetwork(self.settings.head, {name: one.numpy() for name, one in weights.items()}))
+            network = PointerNetwork(self.settings.head, {name: one.numpy() for name, one in weights.items()})
+            self.pool.grow(PointerAgent(network))
         self.pool.beaten, self.pool.alive = np.array(state["beaten"]), np.array(state["alive"])
         self.pool.weigh()
         torch.set_rng_state(state["random"])
 
 
-def export(network: Any, folder: Path, name: str, **words: str) -> None:
-    """Write an agent for any tournament: its file, with these words in AGENT, and its weights next to it."""
-    network.save(prepare_folder(folder) / f"{name}.npz")
-    usual = {"hunts": "", "module": "pointer", "kind": "Agent", "base": "PointerAgent", "more": ""}
-    (folder / f"{name}.py").write_text(AGENT.format(**usual | words))
+def export(agent: PointerAgent | FlatAgent, folder: Path, name: str, *, prey: bool = False) -> None:
+    """Write an agent for any tournament: its file, and its weights next to it."""
+    agent.network.save(prepare_folder(folder) / f"{name}.npz")
+    trained = f', "{agent.trained}"' if isinstance(agent, FlatAgent) else ""
+    words = {"kind": "Prey", "hunts": HUNTS} if prey else {"kind": "Agent", "hunts": ""}
+    words |= {"module": type(agent).__module__, "base": type(agent).__name__, "trained": trained}
+    (folder / f"{name}.py").write_text(AGENT.format(**words))
 
 
 def train() -> None:

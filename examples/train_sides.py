@@ -28,18 +28,12 @@ from typing import Any, NamedTuple
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # its threads would wait for those of torch and of other runs
 
 import numpy as np
+import train_ppo as ppo  # which names torch if it is missing
+from train_ppo import Tensor, nn, torch
 
-from catch_arena.errors import CatchArenaError, ConfigError, install_hint
-
-try:
-    import torch
-    from torch import Tensor, nn
-except ModuleNotFoundError:
-    sys.exit(f"train_sides: torch is not installed: {install_hint('train')}")
-
-import train_ppo as ppo
-
+from catch_arena.batch_policy import BatchView, PreyBatchView
 from catch_arena.config import ArenaConfig, RewardWeights
+from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.files import whole_file
 from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.policy import Side
@@ -49,7 +43,7 @@ from catch_arena.training.flat import COMMANDS, FlatAgent
 from catch_arena.training.mixed import MixedBatch, play_matches
 from catch_arena.training.networks import Mlp
 from catch_arena.training.players import LEARNER
-from catch_arena.training.pointer import PointerAgent, drive
+from catch_arena.training.pointer import drive
 
 SNAPSHOT = 500_000  # decisions between two past selves
 MOST_SELVES = 12  # past selves of a side
@@ -125,12 +119,12 @@ class Flat(nn.Module):
     head = "commands"
     judge = ppo.Network.judge
 
-    def __init__(self, inputs: int, hidden: int) -> None:
+    def __init__(self, inputs: int, hidden: int, scenario: str) -> None:
         super().__init__()
         self.actor, self.critic = perceptron(inputs, hidden, len(COMMANDS)), perceptron(inputs, hidden, 1)
         with torch.no_grad():
             self.actor[-1].weight.mul_(0.1)  # all commands are about equally likely at first
-        self.middle, self.scale = torch.zeros(inputs), torch.ones(inputs)
+        self.middle, self.scale, self.scenario = torch.zeros(inputs), torch.ones(inputs), scenario
 
     def standardise(self, seen: Tensor) -> None:
         """Take the mean and the deviation of each column from observations (N, D); a constant one is not scaled."""
@@ -145,11 +139,24 @@ class Flat(nn.Module):
             raise ConfigError("the network's output is not finite; lower RATE in train_ppo.py")
         return log_p, torch.zeros(len(seen), 2), self.critic(x)[:, 0]
 
-    def mlp(self) -> Mlp:
+    def look(self, view: BatchView | PreyBatchView) -> tuple[Tensor, ...]:
+        """Return the inputs of the network for what these agents see."""
+        return (torch.from_numpy(view.observations),)
+
+    def begin(self, choices: np.ndarray) -> None:
+        """Begin a decision of the agents that have looked."""
+        self.chosen = COMMANDS[choices]
+
+    def commands(self, observations: np.ndarray) -> np.ndarray:  # noqa: ARG002 - those of a pointer network change
+        """Return the commands (N, 2) that follow from the decision at these observations (N, D)."""
+        return self.chosen
+
+    def agent(self) -> FlatAgent:
         """Return the actor in NumPy, for observations as they are."""
-        first, *others = [(one.weight.detach().numpy(), one.bias.detach().numpy()) for one in self.actor[::2]]
-        weights = first[0] / self.scale.numpy()
-        return Mlp([(weights, first[1] - weights @ self.middle.numpy()), *((w.copy(), b.copy()) for w, b in others)])
+        network = Mlp.of_torch(self.actor, scale=self.scale)
+        weights, biases = network.layers[0]
+        network.layers[0] = weights, biases - weights @ self.middle.numpy()
+        return FlatAgent(network, self.scenario)
 
 
 def perceptron(inputs: int, hidden: int, outputs: int) -> nn.Sequential:
@@ -158,55 +165,59 @@ def perceptron(inputs: int, hidden: int, outputs: int) -> nn.Sequential:
     return nn.Sequential(*middle, nn.Linear(hidden, outputs))
 
 
+class Pointer(ppo.Network):
+    """The network of train_ppo.py, which chooses a destination, with the methods of `Flat`."""
+
+    def look(self, view: BatchView) -> tuple[Tensor, ...]:
+        self.view, self.seen = view, destinations(view)
+        return ppo.tensors(self.seen)
+
+    def begin(self, choices: np.ndarray) -> None:
+        self.resting = choices < self.seen.places
+        ahead, aside = (table[np.arange(len(choices)), choices] for table in (self.seen.forward, self.seen.left))
+        x, y, cosine, sine = self.view.observations.T[:4].astype(np.float64)
+        self.place = x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside
+
+    def commands(self, observations: np.ndarray) -> np.ndarray:
+        x, y, cosine, sine = observations.T[:4].astype(np.float64)
+        dx, dy = self.place[0] - x, self.place[1] - y
+        return drive(cosine * dx + sine * dy, cosine * dy - sine * dx, self.resting, self.view.limits)
+
+
 class Learner:
     """A side that learns: its network, and what its present network has played since the last update."""
 
     def __init__(self, word: str, settings: Namespace, batch: MixedBatch) -> None:
         self.word, self.settings, self.batch = word, settings, batch
         self.side: Side = "prey" if word == "prey" else "hunter"
-        self.pointer = settings.network == "pointer" and self.side == "hunter"
-        size = prey_observation_size if self.side == "prey" else observation_size
-        self.network: Any = Flat(size(batch.config), settings.hidden)
-        if self.pointer:
-            self.network = ppo.Network(Namespace(head="destination", hidden=settings.hidden, prior=settings.prior))
+        if settings.network == "pointer" and self.side == "hunter":
+            self.network: Flat | Pointer = Pointer("destination", settings.hidden, settings.prior)
+        else:
+            size = prey_observation_size if self.side == "prey" else observation_size
+            self.network = Flat(size(batch.config), settings.hidden, settings.scenario)
         self.optimiser = torch.optim.Adam(self.network.parameters(), ppo.RATE, eps=1e-5)
         self.decisions = 0
         self.kept: list[tuple[Tensor, ...]] = []  # of the agents that decide, by step
         self.tables: list[tuple[Tensor, ...]] = []  # of all agents of the side, by step
 
-    def look(self) -> tuple[Any, tuple[Tensor, ...]]:
-        """Return the candidates of a pointer network, and the inputs of the network, for the agents that it plays."""
+    def look(self) -> tuple[Tensor, ...]:
+        """Return the inputs of the network for the agents that it plays."""
         self.rows = self.batch.rows(self.side)
-        view = self.batch.view(self.side, self.rows)
-        if self.pointer:
-            seen = destinations(view)
-            return (view, seen), ppo.tensors(seen)
-        return None, (torch.from_numpy(view.observations),)
+        return self.network.look(self.batch.view(self.side, self.rows))
 
     def decide(self) -> None:
         """Decide for all agents that the present network plays."""
-        looked, inputs = self.look()
+        inputs = self.look()
         every, velocities, value = self.network(*inputs)
         choices = torch.multinomial(every.exp(), 1)[:, 0]
         log_p, _ = self.network.judge(every, velocities, choices, velocities)
         self.kept.append((*inputs, choices, velocities, log_p))
         self.tables.append((self.spread(value), self.spread(torch.ones(len(value)))))
-        self.chosen = choices.numpy()
-        if self.pointer:
-            self.limits, seen = looked[0].limits, looked[1]
-            self.resting = self.chosen < seen.places
-            ahead, aside = (table[np.arange(len(choices)), self.chosen] for table in (seen.forward, seen.left))
-            x, y, cosine, sine = self.batch.observations[self.rows].T[:4].astype(np.float64)
-            self.place = x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside
+        self.network.begin(choices.numpy())
 
     def command(self, commands: np.ndarray, playing: np.ndarray) -> None:
         """Write the commands (B, N, 2) that follow from the last decision; zeros after the end of a match."""
-        if self.pointer:
-            x, y, cosine, sine = self.batch.observations[self.rows].T[:4].astype(np.float64)
-            dx, dy = self.place[0] - x, self.place[1] - y
-            given = drive(cosine * dx + sine * dy, cosine * dy - sine * dx, self.resting, self.limits)
-        else:
-            given = COMMANDS[self.chosen]
+        given = self.network.commands(self.batch.observations[self.rows])
         commands[self.rows] = np.where(playing[self.rows[0], None], given, 0)
 
     def spread(self, values: Tensor) -> Tensor:
@@ -223,7 +234,7 @@ class Learner:
     def learn(self) -> dict[str, Any]:
         """Learn from all decisions since the last update."""
         with torch.no_grad():
-            following = self.spread(self.network(*self.look()[1])[2])
+            following = self.spread(self.network(*self.look())[2])
         values, decided, rewards, ended = map(torch.stack, zip(*self.tables, strict=True))  # (HORIZON, B, n)
         chosen = decided > 0
         advantages = ppo.advantages_of(rewards, ended, values, following, ppo.GAMMA**self.settings.hold)[chosen]
@@ -234,24 +245,6 @@ class Learner:
         self.kept.clear()
         self.tables.clear()
         return ppo.improve(self.network, self.optimiser, played, self.settings.entropy)
-
-    def frozen(self) -> Any:
-        """Return an agent that plays as the present network does, without exploring."""
-        if self.pointer:
-            return PointerAgent(self.network.actor())
-        return FlatAgent(self.network.mlp(), self.settings.scenario)
-
-    def export(self, folder: Path, name: str) -> None:
-        """Write an agent for any tournament, with its weights next to it."""
-        words = {}
-        if not self.pointer:
-            words = {"module": "flat", "base": "FlatAgent", "more": f', "{self.settings.scenario}"'}
-        if self.side == "prey":
-            words |= {"kind": "Prey", "hunts": HUNTS}
-        ppo.export(self.frozen().network, folder, name, **words)
-
-
-HUNTS = "from catch_arena.agents.nearest import Agent as Agent  # each entrant of a tournament hunts too\n"
 
 
 class Run:
@@ -277,11 +270,11 @@ class Run:
         lead, looks = self.draw.integers(0, config.max_steps // settings.hold, settings.arenas), list[list[Tensor]]()
         for step in range(config.max_steps // settings.hold):
             if step % 20 == 0:
-                looks.append([one.look()[1][0] for one in self.learners])
+                looks.append([one.look()[0] for one in self.learners])
             self.play(learn=False)
             self.batch.reset(arenas=lead == step)
         for learner, seen in zip(self.learners, zip(*looks, strict=True), strict=True):
-            if not learner.pointer:
+            if isinstance(learner.network, Flat):
                 learner.network.standardise(torch.cat(seen))
 
     def begin(self, arenas: np.ndarray) -> None:
@@ -341,20 +334,22 @@ class Run:
     def grow(self, learner: Learner) -> None:
         """Take the present network into its side's pool; it replaces one of the past selves if there are too many."""
         players, scripts = self.batch.players[learner.side], len(self.scripts[learner.side])
-        players.add(learner.frozen())
+        players.add(learner.network.agent())
         if len(players.pool) > scripts + MOST_SELVES:  # the matches that run go on with it
             players.pool[scripts + int(self.draw.integers(MOST_SELVES))] = players.pool.pop()
 
     def evaluate(self) -> None:
         """Play each side against each scripted agent, and write curve.json and the agents."""
         for one in self.learners:
+            agent = one.network.agent()
             for script in self.scripts[opposed(self.parties, one.side)]:
                 row: dict[str, Any] = {"side": one.word, "against": script, "decisions": one.decisions}
                 row["seconds"] = round(self.seconds)
-                self.curve.append(row | measure(self.settings, self.config, one.side, one.frozen(), [script]))
+                self.curve.append(row | measure(self.settings, self.config, one.side, agent, [script]))
                 print(json.dumps(self.curve[-1]), flush=True)
-            one.export(self.settings.out, one.word)
-            one.export(self.settings.out / "snapshots", f"{one.word}_{one.decisions}")
+            out = self.settings.out
+            for folder, name in ((out, one.word), (out / "snapshots", f"{one.word}_{one.decisions}")):
+                ppo.export(agent, folder, name, prey=one.side == "prey")
         settings = vars(self.settings) | {"out": str(self.settings.out)}
         with whole_file(self.settings.out / "curve.json") as file:
             file.write(json.dumps({"settings": settings, "curve": self.curve}, indent=1).encode())

@@ -60,7 +60,7 @@ class Mlp:
         for module in [inner for outer in modules for inner in _parts(outer)]:
             kind = type(module).__name__
             if kind == "Linear":
-                layers.append((module.weight.detach().cpu().numpy(), module.bias.detach().cpu().numpy()))
+                layers.append(tuple(one.detach().cpu().numpy().copy() for one in (module.weight, module.bias)))
             elif kind.lower() in ACTIVATIONS:
                 used.add(kind.lower())
             else:

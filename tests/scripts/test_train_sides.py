@@ -151,7 +151,7 @@ def test_the_network_decides_the_same_in_torch_and_in_numpy(module):
     import torch
 
     torch.manual_seed(1)
-    network = module.Flat(6, 8)
+    network = module.Flat(6, 8, "tag")
     seen = torch.randn(500, 6) * torch.tensor([1.0, 30.0, 0.01, 1.0, 2.0, 0.0]) + torch.tensor([0.0, 7, 1, -3, 0, 4])
     network.standardise(seen)
     standard = (seen - network.middle) / network.scale
@@ -160,7 +160,7 @@ def test_the_network_decides_the_same_in_torch_and_in_numpy(module):
     with torch.no_grad():
         network.actor[-1].weight.normal_(0, 1)
         log_p, _, _ = network(seen)
-    outputs = network.mlp()(seen.numpy()).astype(np.float64)
+    outputs = network.agent().network(seen.numpy()).astype(np.float64)
     np.testing.assert_allclose(log_p, outputs - np.log(np.exp(outputs).sum(axis=1, keepdims=True)), atol=1e-4)
     assert outputs.shape == (500, len(COMMANDS))
 

@@ -330,14 +330,14 @@ def test_the_network_decides_the_same_in_torch_and_in_numpy(module, head, monkey
     torch.manual_seed(1)
     monkeypatch.setattr(module, "ARENAS", 8)
     settings, _ = module.settings_from(["--head", head, "--hidden", "16", "--opponents", "nearest", "--seed", "2"])
-    trained = module.Network(settings)
+    trained = module.Network(head, settings.hidden, settings.prior)
     with torch.no_grad():
         for weights in trained.weights.values():
             weights.normal_(0, 0.3)
     arenas = module.Arenas(settings)
     looked = module.destinations(arenas.view)
     chances, mean, _ = trained(*module.tensors(looked))
-    network = trained.actor()
+    network = trained.agent().network
     logits, mixed = network(looked)
     ours = logits - np.log(np.exp(logits.astype(np.float64)).sum(axis=1, keepdims=True))
     np.testing.assert_allclose(chances.detach().numpy()[looked.legal], ours[looked.legal], atol=1e-4)
@@ -377,9 +377,9 @@ def test_past_selves_that_win_are_met_more_often(module, monkeypatch):
     settings, _ = module.settings_from(options.split())
     arenas = module.Arenas(settings)
     pool = arenas.pool
-    network = module.Network(settings)
+    network = module.Network(settings.head, settings.hidden, settings.prior)
     for _ in range(3):
-        pool.grow(network.actor())
+        pool.grow(network.agent())
     assert pool.alive.sum() == 2 + 2
     pool.beaten[:] = (0.1, 0.9, 0.5, 0.2, 0.9)
     pool.alive[:] = True

@@ -386,6 +386,13 @@ def test_a_network_goes_to_numpy_and_to_a_file(activation, tmp_path):
     assert again.inputs == 6
 
 
+def test_a_network_stays_as_it_is_while_torch_trains_on():
+    weights, biases = np.ones((2, 3), np.float32), np.ones(2, np.float32)
+    network = Mlp.of_torch(torch_like("Linear", weights, biases))
+    weights[:], biases[:] = 2, 2
+    assert network(np.ones(3)).tolist() == [4, 4]
+
+
 def test_a_network_that_cannot_be_is_refused():
     """Other modules, layers that do not fit, observations of another scenario."""
     layer = torch_like("Linear", np.zeros((2, 3)), np.zeros(2))
