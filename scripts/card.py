@@ -15,8 +15,6 @@ if __name__ == "__main__":
 import argparse
 import importlib
 import json
-import os
-import platform
 import re
 import shutil
 import sys
@@ -25,7 +23,7 @@ from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Final
 
-import numpy as np
+from bench.machine import machine
 
 from catch_arena.cli.tables import with_interval
 from catch_arena.cli.terminal import progress_bar
@@ -105,13 +103,12 @@ def play(agent: Entrant, most: int) -> AgentMeasures:
     blocks = SUITE.blocks if agent.name in REFERENCES else most
     evaluation = Evaluation(SUITE, agent, OUT, blocks, None)
     with progress_bar(agent.name, evaluation.matches) as show:
-        while True:
-            try:
-                evaluation.play(usable_cores(), show)
-                break
-            except OtherTournamentError as error:
-                print(f"{agent.name} is played again: {error}", file=sys.stderr)
-                shutil.rmtree(evaluation.folder)
+        try:
+            evaluation.play(usable_cores(), show)
+        except OtherTournamentError as error:  # before the first match
+            print(f"{agent.name} is played again: {error}", file=sys.stderr)
+            shutil.rmtree(evaluation.folder)
+            evaluation.play(usable_cores(), show)
     return measure(evaluation)
 
 
@@ -228,15 +225,6 @@ def weaknesses(one: AgentMeasures) -> str:
 def figure(estimate: Estimate) -> str:
     """Return an estimate with its interval."""
     return with_interval(estimate, ".2f")
-
-
-def machine() -> str:
-    """Return the processor, the number of cores, and the versions of Python and NumPy."""
-    known = Path("/proc/cpuinfo")
-    found = known.read_text().splitlines() if known.exists() else []
-    models = [line.partition(":")[2].strip() for line in found if line.startswith("model name")]
-    name = models[0] if models else platform.processor() or platform.machine()
-    return f"{name}, {os.cpu_count()} cores, Python {platform.python_version()}, NumPy {np.__version__}"
 
 
 if __name__ == "__main__":

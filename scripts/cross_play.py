@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final, NamedTuple
 
 import numpy as np
-from card import CROSS_PLAY, PAGE, machine
+from bench.machine import machine
+from card import CROSS_PLAY, PAGE
 
 from catch_arena.cli.tables import interval
 from catch_arena.config import ArenaConfig

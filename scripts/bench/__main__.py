@@ -11,10 +11,8 @@ if __name__ == "__main__":
     interrupts.listen()  # before the imports below
 
 import argparse
-import importlib.metadata
 import json
 import os
-import platform
 import shlex
 import sys
 import tempfile
@@ -27,6 +25,7 @@ from typing import Any
 
 import ours
 import peers
+from machine import machine
 from side import Side
 from tables import written
 from versions import ROOT, UnmeasurableError, check_out, current
@@ -124,23 +123,6 @@ def play(sides: Sequence[Side], rounds: int, seconds: float) -> dict[str, str]:
                     side.play(name, seconds)
                 show((1 + number) * len(names) + done + 1, total)
     return skipped
-
-
-def machine() -> str:
-    """Return the processor, the number of arenas in one of its registers, and the versions that affect the results."""
-    known = Path("/proc/cpuinfo")
-    lines = known.read_text().splitlines() if known.exists() else []
-    names = [line.partition(":")[2].strip() for line in lines if line.startswith("model name")]
-    model = names[0] if names else platform.processor() or platform.machine()
-    installed = {found.name: found.version for found in importlib.metadata.distributions()}
-    packages = ("numpy", "numba", "pettingzoo", "mpe2", "torch", "vmas", "jax", "jaxmarl")
-    versions = ", ".join(f"{name} {installed[name]}" for name in packages if name in installed)
-    from catch_arena.core.vectors import PLAYED  # not part of what an older commit must have
-
-    lanes = f"{len(PLAYED)} arenas in a register"
-    return (
-        f"{model}, {os.cpu_count()} cores, {lanes}, {platform.system()}; Python {platform.python_version()}, {versions}"
-    )
 
 
 def main() -> None:

@@ -3,7 +3,10 @@
 import json
 import re
 import runpy
+import sys
 from pathlib import Path
+
+import pytest
 
 from catch_arena.suite.contents import SUITE
 from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures
@@ -12,7 +15,9 @@ from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.statistics.intervals import Estimate
 
 ROOT = Path(__file__).parents[2]
-CARD = runpy.run_path(str(ROOT / "scripts" / "card.py"))
+with pytest.MonkeyPatch.context() as patch:
+    patch.setattr(sys, "path", [str(ROOT / "scripts"), *sys.path])
+    CARD = runpy.run_path(str(ROOT / "scripts" / "card.py"))
 
 
 def reached(name, scores, blocks=4):
