@@ -24,8 +24,6 @@ ONE_ARENA, BATCH, LARGE = "one arena, target control", "batch of 1,024", "batch 
 """Names of the rows that are compared with the peers."""
 _AGES, _NEIGHBOURS = 32, 32
 """Number of ages in a large batch, and of different arenas of each age."""
-_FULL = {"initial_targets": 16, "spawn_frequency_hz": 10.0}
-"""Settings with enough targets to keep the arena full."""
 _FIRST_STEP = (
     "import catch_arena; env = catch_arena.parallel_env(); env.reset(seed=1); env.step(dict.fromkeys(env.agents, 1))"
 )
@@ -43,8 +41,12 @@ _AGENTS = ("nearest", "contested", "contested_by_time", "patrol")
 
 def rows() -> dict[str, Row]:
     """Return all rows by name."""
-    large, at_once = 16384, 65536
+    large, agents = 16384, 65536  # arenas; hunters of all arenas together
     step, arena = "ns per agent-step", "us per step"
+    full = {"initial_targets": 16, "spawn_frequency_hz": 10.0}  # enough targets to keep the arena full
+    sizes = (4, 16, 64)
+    hunters = {f"{n} hunters": partial(batch, agents // n, ranks_differ=True, hunters=n, **full) for n in sizes}
+    targets = {f"{n} targets": partial(batch, large, **full | {"max_targets": n, "initial_targets": n}) for n in sizes}
     return {
         "batch of 32": Row("batch", step, partial(batch, 32)),
         BATCH: Row("batch", step, partial(batch, 1024)),
@@ -52,8 +54,8 @@ def rows() -> dict[str, Row]:
         f"{LARGE}, two threads": Row("threads", step, partial(batch, large, threads=2)),
         f"{LARGE}, velocity control": Row("controls", step, partial(batch, large, control="velocity")),
         f"{LARGE}, full control": Row("controls", step, partial(batch, large, control="full")),
-        **{f"{n} hunters": Row("hunters", step, partial(by_hunters, n, at_once // n)) for n in (4, 16, 64)},
-        **{f"{n} targets": Row("targets", step, partial(by_targets, n, at_once // 4)) for n in (4, 16, 64)},
+        **{name: Row("hunters", step, make) for name, make in hunters.items()},
+        **{name: Row("targets", step, make) for name, make in targets.items()},
         ONE_ARENA: Row("one-arena", arena, partial(one_arena, "target")),
         f"{ONE_ARENA}, masks read": Row("one-arena", arena, partial(one_arena, "target", masks_read=True)),
         "one arena, velocity control": Row("one-arena", arena, partial(one_arena, "velocity")),
@@ -97,7 +99,11 @@ def one_arena(control: str, *, masks_read: bool = False) -> Subject:
 def batch(
     envs: int, threads: int = 1, control: str = "target", *, ranks_differ: bool = False, **overrides: object
 ) -> Subject:
-    """Make a batch of the standard scenario with fixed actions."""
+    """Make a batch of the standard scenario with fixed actions.
+
+    All hunters chase the nearest target, or with `ranks_differ` each chases a rank of its own: many hunters that chase
+    the nearest soon stand in one place, and only the arbiter and the order of equally near rivals would be measured.
+    """
     config = catch_arena.scenario("standard", control=control, **overrides)
     arena = catch_arena.VectorArena(config, envs, num_threads=threads)
     _, infos = arena.reset(1)
@@ -136,20 +142,6 @@ def _few(actions: Any) -> Any:
     if isinstance(actions, dict):
         return {name: _few(one) for name, one in actions.items()}
     return None if actions is None else actions[:_NEIGHBOURS]
-
-
-def by_hunters(hunters: int, envs: int) -> Subject:
-    """Make a batch with few or many hunters; the number in the whole batch, and so the memory, stays the same.
-
-    Each chases a rank of its own. If all chased the nearest, they would soon stand in one place, and only the arbiter
-    and the order of rivals at equal distances would be measured.
-    """
-    return batch(envs, ranks_differ=True, hunters=hunters, **_FULL)
-
-
-def by_targets(targets: int, envs: int) -> Subject:
-    """Make a batch of 4 hunters, and few or many targets."""
-    return batch(envs, **{**_FULL, "max_targets": targets, "initial_targets": targets})
 
 
 def learners(envs: int, opponents: str) -> Subject:
