@@ -18,6 +18,7 @@ from pythons import run
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAMS = ROOT / "examples"
 PAGE = ROOT / "docs" / "reference" / "compatibility.md"
+TABLE = re.compile(r"(<!-- made by `make compat` -->\n\n)(.*?)(?=\n\n<!-- end -->)", re.DOTALL)
 ENVIRONMENTS = ROOT / "out" / "compat"
 
 
@@ -86,16 +87,11 @@ def try_client(name: str, base: Path) -> tuple[str, str]:
 
 def page_with(page: str, results: dict[str, tuple[str, str]], common: str) -> str:
     """Return the page with new rows for these clients."""
-    begin, end = "<!-- made by `make compat` -->", "<!-- end -->"
-    head, _, rest = page.partition(begin)
-    table, _, tail = rest.partition(end)
-    rows = {row.split("|")[1].strip(): row for row in table.splitlines() if row.startswith("| ")}
+    rows = {row.split("|")[1].strip(): row for row in re.findall(r"^\| .*$", TABLE.findall(page)[0][1], re.MULTILINE)}
     rows |= {name: f"| {name} | {result} | {found} |" for name, (result, found) in results.items()}
-    known = "\n".join(rows[name] for name in CLIENTS if name in rows)
-    text = (
-        f"Each with {common}, unless its row names another.\n\n| client | result | versions |\n|---|---|---|\n{known}"
-    )
-    return f"{head}{begin}\n\n{text}\n\n{end}{tail}"
+    lines = [f"Each with {common}, unless its row names another.\n", "| client | result | versions |", "|---|---|---|"]
+    lines += [rows[name] for name in CLIENTS if name in rows]
+    return TABLE.sub(lambda found: found[1] + "\n".join(lines), page)
 
 
 def main() -> int:
