@@ -14,13 +14,6 @@ import sys
 from pathlib import Path
 from statistics import mean
 
-parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-parser.add_argument("runs", nargs="+", type=Path, help="folders that a trainer has written (--out)")
-parser.add_argument("--out", type=Path, help="picture of the curve, a file .svg")
-given = parser.parse_args()
-if given.out and given.out.suffix != ".svg":
-    parser.error(f"--out must end in .svg, got {given.out}; a browser or Inkscape converts it")
-
 PICTURE = """<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 {height}" font-family="sans-serif" font-size="13">
 <rect width="640" height="{height}" rx="6" fill="#ffffff"/>
 {panels}
@@ -34,7 +27,6 @@ PANEL = """<text x="20" y="{head}" font-weight="bold">{title}</text>
 HEIGHT = 330
 COLOURS = ("#3a49d6", "#c2410c", "#0f766e", "#a21caf", "#52525b")
 PARTS = (0.25, 0.5, 1, 2, 3, 5, 10, 25, 50, 100)  # what a quarter of the vertical axis may be
-
 
 Curves = dict[str, list[tuple[int, float, float, float]]]
 """By name, the points of each curve: decisions, value, lower and upper end of its band."""
@@ -74,19 +66,10 @@ def in_words(decisions: float) -> str:
     return f"{decisions / 1e6:.1f} million" if decisions >= 1e6 else f"{decisions / 1e3:.0f} thousand"
 
 
-def draw(panels: dict[str, Curves]) -> None:
-    """Write the picture if --out asks for it."""
-    if given.out:
-        drawn = [panel(HEIGHT * place, title, curves) for place, (title, curves) in enumerate(panels.items())]
-        text = PICTURE.format(height=HEIGHT * len(drawn), panels="\n".join(drawn))
-        given.out.write_text(text, encoding="utf-8")
-        print(f"curve: {given.out}")
-
-
-def show_sides() -> None:
-    """Print and draw runs of train_sides.py."""
+def show_sides(runs: list[Path]) -> dict[str, Curves]:
+    """Print runs of train_sides.py, and return the panels of their picture, by title."""
     panels: dict[str, Curves] = {}
-    for run in given.runs:
+    for run in runs:
         found = json.loads((run / "curve.json").read_text(encoding="utf-8"))
         for row in found["curve"]:
             figure, title, scale = ("wins", "share of wins", 100) if "wins" in row else ("catches", "catches", 1)
@@ -101,38 +84,55 @@ def show_sides() -> None:
         for row in zip(*curves.values(), strict=False):  # an evaluation that all runs have
             cells = [f"{value:.{digits}f}{unit} ({low:.{digits}f} to {high:.{digits}f})" for _, value, low, high in row]
             print(f"| {in_words(mean(point[0] for point in row))} | {' | '.join(cells)} |")
-    draw(panels)
+    return panels
 
 
-kind = "curve.json" if (given.runs[0] / "curve.json").exists() else "curve.csv"
-for run in given.runs:
-    if not (run / kind).exists():
-        sys.exit(f"{run}: has no {kind}; a trainer writes it after --evaluate decisions")
-if kind == "curve.json":
-    sys.exit(show_sides())
-curves = []
-"""Seconds, share of wins [%] and lead in rating of each run, by the number of decisions."""
-for run in given.runs:
-    tournaments: dict[int, dict[str, dict[str, str]]] = {}
-    with (run / "curve.csv").open(newline="", encoding="utf-8") as file:
-        for row in csv.DictReader(file):
-            tournaments.setdefault(int(row["decisions"]), {})[row["agent"]] = row
-    curve = {}
-    for decisions, rows in tournaments.items():
-        own, best = rows.pop("ppo"), max(float(row["rating"]) for row in rows.values())
-        curve[decisions] = float(own["seconds"]), 100 * float(own["win_share"]), float(own["rating"]) - best
-    curves.append(curve)
+def show_tournaments(runs: list[Path]) -> dict[str, Curves]:
+    """Print runs of train_ppo.py, and return the panel of their picture, by title."""
+    played: dict[int, list[tuple[float, float, float]]] = {}  # seconds, share of wins [%] and lead, by decisions
+    for run in runs:
+        with (run / "curve.csv").open(newline="", encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        for own in (row for row in rows if row["agent"] == "ppo"):
+            others = [row for row in rows if row["decisions"] == own["decisions"] and row is not own]
+            lead = float(own["rating"]) - max(float(row["rating"]) for row in others)
+            figures = played.setdefault(int(own["decisions"]), [])
+            figures.append((float(own["seconds"]), 100 * float(own["win_share"]), lead))
+    common = {decisions: figures for decisions, figures in played.items() if len(figures) == len(runs)}
+    if not common:
+        sys.exit("the runs have no tournament after the same number of decisions; train with the same --evaluate")
+    print("| decisions | seconds | wins, mean of the runs | least to most | rating above the best of the others |")
+    print("|---:|---:|---:|---:|---:|")
+    points = []
+    for decisions, figures in common.items():
+        seconds, wins, leads = zip(*figures, strict=True)
+        points.append((decisions, mean(wins), min(wins), max(wins)))
+        print(
+            f"| {in_words(decisions)} | {mean(seconds):.0f} | {mean(wins):.0f} % "
+            f"| {min(wins):.0f} to {max(wins):.0f} % | {mean(leads):+.0f} ({min(leads):+.0f} to {max(leads):+.0f}) |"
+        )
+    return {"share of matches won": {"": points}}
 
-played = [decisions for decisions in curves[0] if all(decisions in curve for curve in curves)]
-if not played:
-    sys.exit("the runs have no tournament after the same number of decisions; train with the same --evaluate")
-print("| decisions | seconds | wins, mean of the runs | least to most | rating above the best of the others |")
-print("|---:|---:|---:|---:|---:|")
-for decisions in played:
-    seconds, wins, leads = zip(*(curve[decisions] for curve in curves), strict=True)
-    print(
-        f"| {in_words(decisions)} | {mean(seconds):.0f} | {mean(wins):.0f} % "
-        f"| {min(wins):.0f} to {max(wins):.0f} % | {mean(leads):+.0f} ({min(leads):+.0f} to {max(leads):+.0f}) |"
-    )
-shares = ((decisions, [curve[decisions][1] for curve in curves]) for decisions in played)
-draw({"share of matches won": {"": [(when, mean(wins), min(wins), max(wins)) for when, wins in shares]}})
+
+def main() -> None:
+    """Print and draw the runs."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("runs", nargs="+", type=Path, help="folders that a trainer has written (--out)")
+    parser.add_argument("--out", type=Path, help="picture of the curve, a file .svg")
+    given = parser.parse_args()
+    if given.out and given.out.suffix != ".svg":
+        parser.error(f"--out must end in .svg, got {given.out}; a browser or Inkscape converts it")
+    kind = "curve.json" if (given.runs[0] / "curve.json").exists() else "curve.csv"
+    for run in given.runs:
+        if not (run / kind).exists():
+            sys.exit(f"{run}: has no {kind}; a trainer writes it after --evaluate decisions")
+    panels = show_sides(given.runs) if kind == "curve.json" else show_tournaments(given.runs)
+    if given.out:
+        drawn = [panel(HEIGHT * place, title, curves) for place, (title, curves) in enumerate(panels.items())]
+        text = PICTURE.format(height=HEIGHT * len(drawn), panels="\n".join(drawn))
+        given.out.write_text(text, encoding="utf-8")
+        print(f"curve: {given.out}")
+
+
+if __name__ == "__main__":
+    main()
