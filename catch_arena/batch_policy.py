@@ -1,19 +1,10 @@
 """Named views of many hunters or prey, for agents that act for all of them in one call (docs/howto/training.md)."""
 
 from functools import cached_property
-from typing import Any, Final
+from typing import Any
 
 from catch_arena.errors import ConfigError, require_type
-from catch_arena.layout import (
-    BodyFeatures,
-    PreySelfFeatures,
-    SelfFeatures,
-    first_rival_column,
-    observation_size,
-    prey_observation_size,
-    rival_features,
-    target_features,
-)
+from catch_arena.layout import Group, groups, prey_groups
 from catch_arena.policy import Limits, PreyLimits
 from catch_arena.text import shortened
 
@@ -22,30 +13,27 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-_OWN: Final = len(SelfFeatures._fields)
-_PREY: Final = len(PreySelfFeatures._fields)
-
 
 class ManyViews:
-    """Base of both views: many observations, and parts of them under names."""
+    """Base of both views: many observations, and their groups of columns under names."""
 
-    def __init__(self, observations: "NDArray[np.float32]", size: int) -> None:
+    def __init__(self, observations: "NDArray[np.float32]", groups: tuple[Group, ...]) -> None:
+        size = groups[-1].end
         if tuple(getattr(observations, "shape", ())[-1:]) != (size,):
             raise ConfigError(
                 f"observations must be an array whose last axis has length {size}, got {shortened(observations)}"
             )
         self.observations = observations
         """Observations as they were given, for policies that learn."""
+        self._groups = groups
 
-    def _ranked(self, features: Any, first: int, ranks: int) -> Any:
-        """Return the columns of some ranks under the names of a table: arrays (..., ranks)."""
-        count = len(features._fields)
-        table = self.observations[..., first : first + ranks * count]
-        return features(*(table[..., column::count] for column in range(count)))
-
-    def _own(self, features: Any) -> Any:
-        """Return the first columns under the names of a table: arrays (...)."""
-        return features(*(self.observations[..., column] for column in range(len(features._fields))))
+    def _table(self, index: int) -> Any:
+        """Return the columns of a group under the names of its table: arrays (...), or (..., ranks)."""
+        group, count = self._groups[index], len(self._groups[index].table._fields)
+        columns = self.observations[..., group.first : group.end]
+        return group.table(
+            *(columns[..., column::count] if group.kind else columns[..., column] for column in range(count))
+        )
 
 
 class BatchView(ManyViews):
@@ -59,7 +47,7 @@ class BatchView(ManyViews):
 
     def __init__(self, observations: "NDArray[np.float32]", masks: "NDArray[np.int8]", limits: Limits) -> None:
         require_type("limits", limits, Limits, "Limits.of(config)")
-        super().__init__(observations, observation_size(limits))
+        super().__init__(observations, groups(limits))
         self.masks = masks
         """Masks, 1 for each legal choice; `masks[..., 0]`, hold, is always legal."""
         self.limits = limits
@@ -67,21 +55,21 @@ class BatchView(ManyViews):
     @cached_property
     def own(self) -> Any:  # the tables type their fields as those of one hunter
         """Data of each hunter about itself: `layout.SelfFeatures` of arrays (...)."""
-        return self._own(SelfFeatures)
+        return self._table(0)
 
     @cached_property
     def targets(self) -> Any:
         """Targets of each hunter, nearest first: `layout.TargetFeatures` (or MovingTargetFeatures) of arrays (...,
         K); all zeros if `present` is 0.
         """
-        return self._ranked(target_features(self.limits), _OWN, self.limits.targets_seen)
+        return self._table(1)
 
     @cached_property
     def rivals(self) -> Any:
         """Rivals of each hunter, nearest first: `layout.RivalFeatures` (or TeamRivalFeatures) of arrays (..., R);
         all zeros if `present` is 0.
         """
-        return self._ranked(rival_features(self.limits), first_rival_column(self.limits), self.limits.hunters_seen)
+        return self._table(2)
 
     def of(self, rows: Any) -> "BatchView":
         """Return the view of the hunters that an index or a mask selects."""
@@ -98,28 +86,27 @@ class PreyBatchView(ManyViews):
 
     def __init__(self, observations: "NDArray[np.float32]", limits: PreyLimits) -> None:
         require_type("limits", limits, PreyLimits, "PreyLimits.of(config)")
-        super().__init__(observations, prey_observation_size(limits))
+        super().__init__(observations, prey_groups(limits))
         self.limits = limits
 
     @cached_property
     def own(self) -> Any:
         """Data of each prey about itself: `layout.PreySelfFeatures` of arrays (...)."""
-        return self._own(PreySelfFeatures)
+        return self._table(0)
 
     @cached_property
     def hunters(self) -> Any:
         """Hunters in view of each prey, nearest first: `layout.BodyFeatures` of arrays (..., K); all zeros if
         `present` is 0.
         """
-        return self._ranked(BodyFeatures, _PREY, self.limits.hunters_seen)
+        return self._table(1)
 
     @cached_property
     def others(self) -> Any:
-        """Other prey in view of each prey, nearest first: `layout.BodyFeatures` of arrays (..., P); all zeros if
+        """Other prey in view of each prey, nearest first: `layout.OtherPreyFeatures` of arrays (..., P); all zeros if
         `present` is 0.
         """
-        first = _PREY + self.limits.hunters_seen * len(BodyFeatures._fields)
-        return self._ranked(BodyFeatures, first, self.limits.prey_seen)
+        return self._table(2)
 
     def of(self, rows: Any) -> "PreyBatchView":
         """Return the view of the prey that an index or a mask selects."""

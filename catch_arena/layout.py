@@ -6,7 +6,7 @@ description. The core makes tuples of these fields.
 """
 
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from itertools import chain
 from typing import Annotated, Any, Final, NamedTuple
 
@@ -164,33 +164,39 @@ class PreySelfFeatures(NamedTuple):
 
 
 class BodyFeatures(NamedTuple):
-    """R12.4: columns of prey's observation for each hunter and for each other prey, nearest first."""
+    """R12.4: columns of prey's observation for each hunter, nearest first."""
 
     forward: Annotated[float, _Spec("m", lambda c: _either_side(_diagonal(c)), "distance ahead; negative is behind")]
     left: Annotated[
         float, _Spec("m", lambda c: _either_side(_diagonal(c)), "distance to the left; negative is to the right")
     ]
-    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has {body}")]
+    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has a hunter")]
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
     linear_velocity: Annotated[float, _Spec("m/s", _speeds, "its forward velocity")]
 
 
+class PreyFeatures(NamedTuple):
+    """R12.4: columns of prey's observation for each other prey that differ from a hunter's."""
+
+    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has another prey")]
+    linear_velocity: Annotated[float, _Spec("m/s", _target_speeds, "its forward velocity")]
+
+
 def _both(name: str, first: Any, more: Any) -> Any:
-    """Return a table with the columns of two tables, in this order."""
+    """Return a table with the columns of two tables, in this order; `more` can replace columns of `first`."""
     make: Any = NamedTuple  # type checkers require literal fields of NamedTuple
-    return make(name, [*first.__annotations__.items(), *more.__annotations__.items()])
+    return make(name, [*(first.__annotations__ | more.__annotations__).items()])
 
 
 MovingTargetFeatures: Final[Any] = _both("MovingTargetFeatures", TargetFeatures, MotionFeatures)
 TeamRivalFeatures: Final[Any] = _both("TeamRivalFeatures", RivalFeatures, TeamFeatures)
+OtherPreyFeatures: Final[Any] = _both("OtherPreyFeatures", BodyFeatures, PreyFeatures)
 
 SELF_COLUMNS: Final = SelfFeatures._fields
 TARGET_COLUMNS: Final = TargetFeatures._fields
 MOVING_TARGET_COLUMNS: Final = MovingTargetFeatures._fields
 RIVAL_COLUMNS: Final = RivalFeatures._fields
-PREY_SELF_COLUMNS: Final = PreySelfFeatures._fields
-BODY_COLUMNS: Final = BodyFeatures._fields
 MOST_SEEN_BY_PREY: Final = 8
 """R12.4: largest number of hunters that prey sees, and of other prey."""
 
@@ -209,35 +215,59 @@ def rival_features(arena: Any) -> Any:
     return TeamRivalFeatures if arena.teams else RivalFeatures
 
 
-def first_rival_column(arena: Any) -> int:
-    """Return the index of the first rival column, which follows the hunter's own columns and the targets'."""
-    targets: int = arena.targets_seen
-    return len(SELF_COLUMNS) + targets * len(target_features(arena)._fields)
+class Group(NamedTuple):
+    """Neighbouring columns of an observation: the columns of a table, once for each rank."""
+
+    kind: str
+    """First word of the columns' names, as in "target_1.forward"; empty for an agent's columns about itself."""
+    table: Any
+    ranks: int
+    first: int
+    """Index of the first column."""
+
+    @property
+    def end(self) -> int:
+        """Index after the last column."""
+        return self.first + self.ranks * len(self.table._fields)
+
+
+def groups(arena: Any) -> tuple[Group, Group, Group]:
+    """R7.1: return the columns of a hunter's observation: the hunter itself, targets, rivals."""
+    own = Group("", SelfFeatures, 1, 0)
+    targets = Group("target", target_features(arena), arena.targets_seen, own.end)
+    return own, targets, Group("rival", rival_features(arena), arena.hunters_seen, targets.end)
 
 
 def observation_size(arena: Any) -> int:
     """R7.1: return D, the length of a hunter's observation."""
-    rivals: int = arena.hunters_seen
-    return first_rival_column(arena) + rivals * len(rival_features(arena)._fields)
+    return groups(arena)[-1].end
 
 
-def hunters_seen_by_prey(config: ArenaConfig) -> int:
-    """R12.4: return the number of hunters in prey's observation."""
-    return min(config.hunters, MOST_SEEN_BY_PREY)
-
-
-def prey_seen_by_prey(config: ArenaConfig) -> int:
-    """R12.4: return the number of other prey in prey's observation."""
-    return max(0, min(config.prey - 1, MOST_SEEN_BY_PREY))
-
-
-def prey_observation_size(arena: Any) -> int:
-    """R12.4: return E, the length of prey's observation.
+def prey_groups(arena: Any) -> tuple[Group, Group, Group]:
+    """R12.4: return the columns of prey's observation: the prey itself, hunters, other prey.
 
     Args:
         arena: an `ArenaConfig`, or prey's `PreyLimits`.
     """
-    return len(PREY_SELF_COLUMNS) + len(BODY_COLUMNS) * (hunters_seen_by_prey(arena) + prey_seen_by_prey(arena))
+    own = Group("", PreySelfFeatures, 1, 0)
+    hunters = Group("hunter", BodyFeatures, min(arena.hunters, MOST_SEEN_BY_PREY), own.end)
+    others = max(0, min(arena.prey - 1, MOST_SEEN_BY_PREY))
+    return own, hunters, Group("prey", OtherPreyFeatures, others, hunters.end)
+
+
+def prey_observation_size(arena: Any) -> int:
+    """R12.4: return E, the length of prey's observation."""
+    return prey_groups(arena)[-1].end
+
+
+def column_names(groups: Iterable[Group]) -> tuple[str, ...]:
+    """Return the names of the columns in some groups, such as "x" and "target_1.forward"."""
+    return tuple(
+        f"{group.kind}_{rank}.{name}" if group.kind else name
+        for group in groups
+        for rank in range(1, group.ranks + 1)
+        for name in group.table._fields
+    )
 
 
 def _columns_of(table: Any, config: ArenaConfig) -> tuple[Column, ...]:
@@ -255,32 +285,22 @@ def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[
     return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
 
 
+def _columns_in(groups: tuple[Group, ...], config: ArenaConfig) -> tuple[Column, ...]:
+    own, *ranked = groups
+    numbered = (_numbered(one.kind, range(1, one.ranks + 1), _columns_of(one.table, config)) for one in ranked)
+    return (*_columns_of(own.table, config), *chain.from_iterable(numbered))
+
+
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a hunter's observation in order; bounds hold after rounding to float32."""
     require_type("config", config, ArenaConfig, "scenario(name)")
-    return (
-        *_columns_of(SelfFeatures, config),
-        *_numbered("target", range(1, config.targets_seen + 1), _columns_of(target_features(config), config)),
-        *_numbered("rival", range(1, config.hunters_seen + 1), _columns_of(rival_features(config), config)),
-    )
+    return _columns_in(groups(config), config)
 
 
 def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R12.4: return the columns of prey's observation in order; () if there is no prey."""
     require_type("config", config, ArenaConfig, "scenario(name)")
-    if not config.prey:
-        return ()
-    hunter, other = (
-        tuple(column._replace(meaning=column.meaning.format(body=body)) for column in _columns_of(BodyFeatures, config))
-        for body in ("a hunter", "another prey")
-    )
-    slowest, fastest = _target_speeds(config)
-    other = (*other[:-1], other[-1]._replace(low=slowest, high=fastest))
-    return (
-        *_columns_of(PreySelfFeatures, config),
-        *_numbered("hunter", range(1, hunters_seen_by_prey(config) + 1), hunter),
-        *_numbered("prey", range(1, prey_seen_by_prey(config) + 1), other),
-    )
+    return _columns_in(prey_groups(config), config) if config.prey else ()
 
 
 _STATE_BODY: Final = ("x", "y", "heading_cos", "heading_sin", "linear_velocity", "angular_velocity")

@@ -8,25 +8,11 @@ from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, TypeVar,
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError, ConfigError, require_type
-from catch_arena.layout import (
-    BodyFeatures,
-    PreySelfFeatures,
-    SelfFeatures,
-    first_rival_column,
-    hunters_seen_by_prey,
-    observation_size,
-    prey_observation_size,
-    prey_seen_by_prey,
-    rival_features,
-    target_features,
-)
+from catch_arena.layout import Group, groups, prey_groups
 from catch_arena.text import shortened
 
 Side = Literal["hunter", "prey"]
 """R12.7: kind of player that an agent plays."""
-
-_OWN: Final = len(SelfFeatures._fields)
-_PREY: Final = len(PreySelfFeatures._fields)
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,6 +144,7 @@ class PreyLimits:
     def of(cls, config: ArenaConfig) -> "PreyLimits":
         """Return the limits that all prey of an arena share."""
         require_type("config", config, ArenaConfig, "scenario(name)")
+        _, hunters, others = prey_groups(config)
         return cls(
             side_m=config.side_m,
             reach_m=max(config.reaches),
@@ -169,8 +156,8 @@ class PreyLimits:
             time_limit_s=config.time_limit_ms / 1000.0,
             hunters=config.hunters,
             prey=config.prey,
-            hunters_seen=hunters_seen_by_prey(config),
-            prey_seen=prey_seen_by_prey(config),
+            hunters_seen=hunters.ranks,
+            prey_seen=others.ranks,
             returns_s=config.prey_returns_s,
         )
 
@@ -288,24 +275,15 @@ _TYPED: Final = {
 """Fields of each kind that are not floats, without `rank`: (index among the fields after `rank`, type)."""
 
 
-def _in_view(
-    kind: type[Seen], features: Any, observation: Sequence[float], column: int, ranks: int
-) -> tuple[Seen, ...]:
-    """Return the things of one kind that are in view, nearest first.
+def _in_view(kind: type[Seen], observation: Sequence[float], group: Group) -> tuple[Seen, ...]:
+    """Return the targets, hunters or prey of a group of columns that are in view, nearest first.
 
-    The fields of `kind` are the rank and then the columns of `features` in their order, without `present`.
-
-    Args:
-        kind: the class of the result's items.
-        features: the table of the columns.
-        observation: the vector to read.
-        column: the index of the first column of rank 1.
-        ranks: the number of ranks.
+    The fields of `kind` are the rank and then the group's columns in their order, without `present`.
     """
-    columns, present = len(features._fields), features._fields.index("present")
+    columns, present, column = len(group.table._fields), group.table._fields.index("present"), group.first
     typed = [(place, field_type) for place, field_type in _TYPED[kind] if place < columns - 1]
     seen = []
-    for rank in range(1, ranks + 1):
+    for rank in range(1, group.ranks + 1):
         values: list[Any] = list(observation[column : column + columns])
         if not values.pop(present):
             break
@@ -316,38 +294,32 @@ def _in_view(
     return tuple(seen)
 
 
-def _first_columns(observation: Sequence[float], count: int, size: int) -> Sequence[float]:
-    """Return the first `count` numbers of an observation, which describe the agent itself.
-
-    Raises:
-        ConfigError: unless the observation has `size` numbers.
-    """
-    try:
-        if len(observation) == size:
-            return observation[:count]
-    except (TypeError, LookupError):  # a number, or a dict
-        pass
-    raise ConfigError(
-        f"observation must be a vector of {size} numbers, as env.step returns it for each agent, "
-        f"got {shortened(observation)}"
-    )
-
-
 class _Body:
-    """Base of both views: the part of an observation that describes the agent itself."""
+    """Base of both views: an observation, and the part of it that describes the agent itself."""
 
-    def __init__(self, own: SelfFeatures | PreySelfFeatures) -> None:
-        self.x = own.x
+    def __init__(self, observation: Sequence[float], groups: tuple[Group, Group, Group]) -> None:
+        self._groups = groups
+        own, _, last = groups
+        try:
+            if len(observation) != last.end:
+                raise LookupError
+            self._own: Any = own.table(*observation[: own.end])
+        except (TypeError, LookupError):  # another length, a number, or a dict
+            raise ConfigError(
+                f"observation must be a vector of {last.end} numbers, as env.step returns it for each agent, "
+                f"got {shortened(observation)}"
+            ) from None
+        self.x: float = self._own.x
         """Position in the world frame [m], as `y`."""
-        self.y = own.y
-        self.heading_cos = own.heading_cos
+        self.y: float = self._own.y
+        self.heading_cos: float = self._own.heading_cos
         """Cosine of the agent's heading in the world frame."""
-        self.heading_sin = own.heading_sin
-        self.linear_velocity = own.linear_velocity
+        self.heading_sin: float = self._own.heading_sin
+        self.linear_velocity: float = self._own.linear_velocity
         """Velocity ahead [m/s]."""
-        self.angular_velocity = own.angular_velocity
+        self.angular_velocity: float = self._own.angular_velocity
         """Turn rate, positive to the left [rad/s]."""
-        self.time_left = own.time_left
+        self.time_left: float = self._own.time_left
         """Time until the time limit [s]."""
 
     @property
@@ -381,26 +353,23 @@ class View(_Body):
         """R7.2: 1 for each legal choice; `mask[0]`, hold, is always legal."""
         self.limits = limits
         require_type("limits", limits, Limits, "Limits.of(config)")
-        own = SelfFeatures(*_first_columns(observation, _OWN, observation_size(limits)))
-        super().__init__(own)
-        self.score = own.score
+        super().__init__(observation, groups(limits))
+        self.score: float = self._own.score
         """Number of catches granted so far."""
-        self.distance_integral = own.distance_integral
+        self.distance_integral: float = self._own.distance_integral
         """R4.3's linear integral [m s]."""
-        self.bearing_integral = own.bearing_integral
+        self.bearing_integral: float = self._own.bearing_integral
         """R4.3's angular integral [rad s]."""
 
     @cached_property
     def targets(self) -> tuple[SeenTarget, ...]:
         """Targets in view, nearest first."""
-        features = target_features(self.limits)
-        return _in_view(SeenTarget, features, self.observation, _OWN, self.limits.targets_seen)
+        return _in_view(SeenTarget, self.observation, self._groups[1])
 
     @cached_property
     def rivals(self) -> tuple[SeenHunter, ...]:
         """Rivals in view, nearest first."""
-        column, features = first_rival_column(self.limits), rival_features(self.limits)
-        return _in_view(SeenHunter, features, self.observation, column, self.limits.hunters_seen)
+        return _in_view(SeenHunter, self.observation, self._groups[2])
 
 
 class PreyView(_Body):
@@ -419,23 +388,21 @@ class PreyView(_Body):
         """R12.4: observation as a vector, for policies that learn."""
         self.limits = limits
         require_type("limits", limits, PreyLimits, "PreyLimits.of(config)")
-        own = PreySelfFeatures(*_first_columns(observation, _PREY, prey_observation_size(limits)))
-        super().__init__(own)
-        self.times_caught = own.times_caught
+        super().__init__(observation, prey_groups(limits))
+        self.times_caught: float = self._own.times_caught
         """Number of times that this prey was caught so far."""
-        self.alive = own.alive > 0
+        self.alive: bool = self._own.alive > 0
         """True if this prey is in play; its action is ignored while it is out."""
 
     @cached_property
     def hunters(self) -> tuple[SeenBody, ...]:
         """Hunters in view, nearest first."""
-        return _in_view(SeenBody, BodyFeatures, self.observation, _PREY, self.limits.hunters_seen)
+        return _in_view(SeenBody, self.observation, self._groups[1])
 
     @cached_property
     def others(self) -> tuple[SeenBody, ...]:
         """Other prey in view, nearest first."""
-        column = _PREY + len(BodyFeatures._fields) * self.limits.hunters_seen
-        return _in_view(SeenBody, BodyFeatures, self.observation, column, self.limits.prey_seen)
+        return _in_view(SeenBody, self.observation, self._groups[2])
 
 
 AnyLimits = Limits | PreyLimits

@@ -25,9 +25,7 @@ from catch_arena.layout import (
     SelfFeatures,
     TargetFeatures,
     TeamRivalFeatures,
-    first_rival_column,
-    rival_features,
-    target_features,
+    groups,
 )
 from catch_arena.policy import Limits, View
 
@@ -95,8 +93,9 @@ def _actions(decide: Decide, write: Any, view: BatchView, actions: NDArray[Any])
 @lru_cache(maxsize=64)
 def _shape(limits: Limits) -> tuple[int, int, int, Any]:
     """Return a target's number of columns, the first column of rivals, a rival's number of columns, and the limits."""
-    columns = len(target_features(limits)._fields), first_rival_column(limits), len(rival_features(limits)._fields)
-    return *columns, _Limits(*(getattr(limits, name) for name in _NUMBERS))
+    _, targets, rivals = groups(limits)
+    numbers = _Limits(*(getattr(limits, name) for name in _NUMBERS))
+    return len(targets.table._fields), rivals.first, len(rivals.table._fields), numbers
 
 
 @rule

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from catch_arena.batch_policy import BatchView, ManyViews, PreyBatchView
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
-from catch_arena.layout import BODY_COLUMNS, PREY_SELF_COLUMNS, SELF_COLUMNS, rival_features, target_features
+from catch_arena.layout import column_names, groups, prey_groups
 from catch_arena.policy import AnyLimits, Limits, PreyLimits, PreyView, Side, View
 from catch_arena.scenarios import scenario
 from catch_arena.text import shortened
@@ -80,22 +80,7 @@ def _limits(trained: str | ArenaConfig, side: Side) -> Any:
 @lru_cache(maxsize=64)
 def _places(seen: AnyLimits, trained: AnyLimits) -> NDArray[np.int64]:
     """Return the index of each column of `trained` in an observation, (D,); its width if it has no such column."""
-    names = _names(seen)
+    groups_of = prey_groups if isinstance(seen, PreyLimits) else groups
+    names, wanted = (column_names(groups_of(limits)) for limits in (seen, trained))
     place = {name: number for number, name in enumerate(names)}
-    return np.array([place.get(name, len(names)) for name in _names(trained)], dtype=np.int64)
-
-
-def _names(limits: AnyLimits) -> tuple[str, ...]:
-    """Return the names of `layout.columns` or `prey_columns`, computed from the limits of a hunter or of prey."""
-    if isinstance(limits, PreyLimits):
-        return (
-            *PREY_SELF_COLUMNS,
-            *(f"hunter_{rank}.{name}" for rank in range(1, limits.hunters_seen + 1) for name in BODY_COLUMNS),
-            *(f"prey_{rank}.{name}" for rank in range(1, limits.prey_seen + 1) for name in BODY_COLUMNS),
-        )
-    targets, rivals = target_features(limits)._fields, rival_features(limits)._fields
-    return (
-        *SELF_COLUMNS,
-        *(f"target_{rank}.{name}" for rank in range(1, limits.targets_seen + 1) for name in targets),
-        *(f"rival_{rank}.{name}" for rank in range(1, limits.hunters_seen + 1) for name in rivals),
-    )
+    return np.array([place.get(name, len(names)) for name in wanted], dtype=np.int64)
