@@ -51,8 +51,9 @@ class MixedBatch:
 
     def reset(self, seed: int | None = None, arenas: ArrayLike | None = None) -> None:
         """Begin episodes, see `VectorArena.reset`; the players stay seated."""
+        is_first = not self.observations.size
         self.observations, self.infos = self.arena.reset(seed, arenas)
-        if seed is not None:
+        if seed is not None or is_first:
             self._rng = np.random.default_rng(seed)
             for players in self.players.values():
                 players.begin(self._rng)

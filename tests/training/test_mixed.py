@@ -94,6 +94,26 @@ def test_learners_and_agents_of_any_control_play_what_a_vector_arena_plays(name,
     assert endings == 8
 
 
+@pytest.mark.parametrize("seed", [None, 3])
+def test_the_first_reset_begins_the_agents_also_without_a_seed(seed):
+    """They may need what `reset` makes; later resets without a seed leave them as they are."""
+
+    class Counts:
+        resets = 0
+
+        def reset(self, _):
+            Counts.resets += 1
+
+        def act_batch(self, view):
+            return np.zeros(len(view.observations), np.int64)
+
+    batch = MixedBatch(scenario("duel", **SHORT), 2, {"hunter": [Counts]})
+    for _ in range(2):
+        batch.reset(seed)
+        seed = None
+    assert Counts.resets == 1
+
+
 def test_a_side_is_seen_by_those_who_play_it():
     """Views of hunters and of prey have the columns, masks and limits of their side."""
     config = scenario("tag", **SHORT)
