@@ -18,13 +18,8 @@ def checked_seed(seed: object) -> int:
     return require_integer("seed", seed, 0, SEED_LIMIT - 1)
 
 
-def fresh_seed() -> int:
-    """Return a seed from the operating system for a first reset without one: 32 bits, short enough to type."""
-    return secrets.randbits(32)
-
-
-def arena_seed(given: int | None) -> int:
-    """Return the seed of a match that agents play; if none is given, one that agents cannot guess.
+def arena_seed(given: object) -> int:
+    """Return a seed as an int; for None, one from the operating system, which agents cannot guess.
 
     Raises:
         ConfigError: unless it is a whole number in [0, 2^64).

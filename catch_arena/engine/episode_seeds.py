@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core.random import advance_seeds, derive_row_seeds
-from catch_arena.seeding import checked_seed, fresh_seed
+from catch_arena.seeding import arena_seed
 
 
 def next_seeds(seeds: NDArray[np.uint64]) -> NDArray[np.uint64]:
@@ -25,9 +25,9 @@ def episode_seed(given: int | None, before: int | None) -> int:
     Raises:
         ConfigError: for a seed outside [0, 2^64).
     """
-    if given is not None:
-        return checked_seed(given)
-    return fresh_seed() if before is None else int(next_seeds(np.array([before], dtype=np.uint64))[0])
+    if given is not None or before is None:
+        return arena_seed(given)
+    return int(next_seeds(np.array([before], dtype=np.uint64))[0])
 
 
 def batch_seeds(seed: int, num_arenas: int) -> NDArray[np.uint64]:

@@ -21,7 +21,7 @@ from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import columns, prey_columns
 from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.seeding import checked_seed, fresh_seed
+from catch_arena.seeding import arena_seed, checked_seed
 from catch_arena.text import shortened
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
@@ -208,16 +208,12 @@ class VectorArena:
         chosen = self._rows(arenas)
         if not self._has_begun and len(chosen) < self.num_envs:
             raise EpisodeError("cannot reset single arenas: no episode has begun; call reset() without arenas first")
-        if seed is None:
-            seeds = (
-                batch_seeds(fresh_seed(), self.num_envs)
-                if not self._has_begun
-                else next_seeds(self._engine.seeds()[chosen])
-            )
+        if seed is None and self._has_begun:
+            seeds = next_seeds(self._engine.seeds()[chosen])
         elif isinstance(seed, Iterable) and not isinstance(seed, str | bytes) and getattr(seed, "ndim", 1) > 0:
             seeds = np.array([checked_seed(one) for one in seed], dtype=np.uint64)
         else:
-            seeds = batch_seeds(checked_seed(seed), self.num_envs)[chosen]
+            seeds = batch_seeds(arena_seed(seed), self.num_envs)[chosen]
         self._engine.reset(seeds, chosen)
         self._has_begun = True
         self._ended[chosen] = False

@@ -20,7 +20,7 @@ from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError, EpisodeError
 from catch_arena.layout import Column, columns
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.seeding import checked_seed, fresh_seed
+from catch_arena.seeding import arena_seed
 from catch_arena.text import shortened
 from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.training.opponents import Opponents, Pool
@@ -182,7 +182,7 @@ class LearnerBatch:
         if arenas is not None:
             self._require_begun("reset() of single arenas")
         elif seed is not None or not self._has_begun:
-            seed = fresh_seed() if seed is None else checked_seed(seed)
+            seed = arena_seed(seed)
             self._rng = np.random.default_rng(seed)
             if self.opponents is not None:
                 order = np.arange(self.num_envs)[:, None] + np.arange(self.learners)

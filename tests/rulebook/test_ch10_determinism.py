@@ -78,6 +78,18 @@ def test_r10_1_a_further_reset_without_a_seed_goes_on_from_the_last_one() -> Non
     assert env.digest() != second
 
 
+def test_the_first_reset_without_a_seed_draws_one() -> None:
+    """Each env another one, which `reset` takes again."""
+    first, second = parallel_env("duel"), parallel_env("duel")
+    first.record()
+    first.reset()
+    second.reset()
+    drawn = first.digest()
+    assert drawn != second.digest()
+    second.reset(seed=first.replay().seed)
+    assert second.digest() == drawn
+
+
 def played(path: Path | None = None) -> tuple[Any, Replay]:
     """A short recorded match with a withdrawal, and its env."""
     env = parallel_env("duel", hunters=3, control=("target", "velocity", "full"), time_limit_s=3.0)
