@@ -53,7 +53,12 @@ def run_conformance(
     compared: Compared = "evidence" if evidence else "verdicts"
     cases, results = select_cases(only), []
     for case in cases:
-        results.append(_run_case(case, adapter, arena, compared, limit_s, exact_lots=exact_lots))
+        runners: list[ArbiterRunner | ArenaRunner] = []
+        if adapter is not None and isinstance(case, ArbiterCase):
+            runners.append(ArbiterRunner(adapter, case if exact_lots else with_any_lots(case), compared))
+        if arena is not None and (isinstance(case, ArenaCase) or fits_into_an_arena(case)):
+            runners.append(ArenaRunner(arena, case, compared))
+        results.append(_run_case(case, runners, limit_s))
         if progress is not None:
             progress(len(results), len(cases))
     return Report(tuple(results), compared)
@@ -77,20 +82,9 @@ def select_cases(only: Sequence[str] = ()) -> tuple[ArbiterCase | ArenaCase, ...
 
 
 def _run_case(
-    case: ArbiterCase | ArenaCase,
-    adapter: Arbiter | None,
-    arena: ArenaUnderTest | None,
-    compared: Compared,
-    limit_s: float | None,
-    *,
-    exact_lots: bool,
+    case: ArbiterCase | ArenaCase, runners: Sequence[ArbiterRunner | ArenaRunner], limit_s: float | None
 ) -> Result:
     start = time.perf_counter()
-    runners: list[ArbiterRunner | ArenaRunner] = []
-    if adapter is not None and isinstance(case, ArbiterCase):
-        runners.append(ArbiterRunner(adapter, case if exact_lots else with_any_lots(case), compared))
-    if arena is not None and (isinstance(case, ArenaCase) or fits_into_an_arena(case)):
-        runners.append(ArenaRunner(arena, case, compared))
     failure: Failure | None = None
     for runner in runners:
         try:
