@@ -14,21 +14,14 @@ from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.captions import Captions
 from catch_arena.render.cards import GOLD
-from catch_arena.render.encoders import Progress, format_of
+from catch_arena.render.encoders import Progress
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.timing import Clip
-from catch_arena.render.video import (
-    RenderReport,
-    frame_rate,
-    frame_size,
-    frames_of,
-    observed_worlds,
-    write_video,
-)
+from catch_arena.render.video import RenderReport, VideoOutput, frames_of, observed_worlds
 from catch_arena.replay import Replay
 
 SLOW: Final = Fraction(1, 4)
@@ -62,10 +55,9 @@ def render_highlights(
     """
     if not highlights:
         raise ConfigError("highlights must have at least one entry, got none")
-    kind = format_of(Path(path))
-    fps, within = frame_rate(kind, fps), frame_size(kind, size, shape)
-    frames = sum(len(slow_motion(highlight, fps)) for _, highlight in highlights)
-    return write_video(path, _pictures(highlights, within, fps, captions), within, fps, frames, progress)
+    output = VideoOutput.of(path, size, shape, fps)
+    frames = sum(len(slow_motion(highlight, output.fps)) for _, highlight in highlights)
+    return output.write(_pictures(highlights, output.size, output.fps, captions), frames, progress)
 
 
 def slow_motion(highlight: Highlight, fps: int) -> list[float]:

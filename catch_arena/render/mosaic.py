@@ -16,13 +16,7 @@ from catch_arena.render.raster import Canvas, Pixels
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Label, Shape
 from catch_arena.render.timing import Clip
-from catch_arena.render.video import (
-    RenderReport,
-    frame_size,
-    pace_of,
-    rendered_frames,
-    write_video,
-)
+from catch_arena.render.video import RenderReport, VideoOutput, pace_of, rendered_frames
 from catch_arena.replay import Replay
 
 MOST: Final = 64
@@ -111,10 +105,10 @@ def render_mosaic(
     fps, pace = min(MOST_FPS, kind.fps), pace_of(speed)
     largest = LARGEST if kind.size[0] >= LARGEST[0] else LARGEST_SMALL
     grid = fit_grid(len(replays), largest, _STRIP + _LABEL)
-    size = frame_size(kind, grid.size)
+    output = VideoOutput.of(path, grid.size, fps=fps)
     end_ms = max(_end_ms(replay, fps, pace) for replay in replays.values())
     whole = Clip(0, end_ms + round(1000 * _STAYS_S * pace), fps, pace)
-    return write_video(path, _pictures(replays, grid, size, whole), size, fps, whole.frames, progress)
+    return output.write(_pictures(replays, grid, output.size, whole), whole.frames, progress)
 
 
 def _end_ms(replay: Replay, fps: int, pace: Fraction) -> int:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from pathlib import Path
-from typing import Final
+from typing import Final, NamedTuple
 
 from catch_arena.config import require_choice
 from catch_arena.errors import ConfigError, require_type
@@ -15,7 +15,7 @@ from catch_arena.explanation.what_if import WhatIf
 from catch_arena.plain import whole_number
 from catch_arena.render import cards, hud
 from catch_arena.render.captions import Captions
-from catch_arena.render.encoders import Format, Progress, format_of, video_file
+from catch_arena.render.encoders import Progress, format_of, video_file
 from catch_arena.render.ghost import with_ghost
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.raster import Pixels
@@ -39,6 +39,58 @@ class RenderReport:
     size: tuple[int, int]
     """Width and height [pixels]; if the format needs even numbers, an odd one has become the next even one."""
     fps: int
+
+
+class VideoOutput(NamedTuple):
+    """Video file to write, with settings that its format allows."""
+
+    path: Path
+    size: tuple[int, int]
+    """Width and height [pixels]."""
+    fps: int
+
+    @classmethod
+    def of(
+        cls,
+        path: str | os.PathLike[str],
+        size: tuple[int, int] | None = None,
+        shape: hud.FrameShape | None = None,
+        fps: int | None = None,
+    ) -> "VideoOutput":
+        """Return the output for some settings, None for the default of the format and shape.
+
+        If the format needs even sizes, an odd one becomes the next even one.
+
+        Raises:
+            ConfigError: for an unknown ending or shape, a size outside the limits of frames or of another shape, and
+                fps that is no whole number from 1 to the format's maximum.
+        """
+        kind = format_of(Path(path))
+        shorter = kind.size[1] * 3 // 2
+        usual = {"landscape": kind.size, "portrait": (shorter, shorter * 16 // 9), "square": (shorter, shorter)}
+        if shape is not None:
+            require_choice("shape", shape, tuple(usual))
+        width, height = checked_size(usual[shape or "landscape"] if size is None else size)
+        if shape is not None and hud.frame_shape((width, height)) != shape:
+            raise ConfigError(
+                f"size must be {shape}, got {width}x{height}, which is {hud.frame_shape((width, height))}; the longer "
+                f"side of a landscape or portrait frame is at least {hud.WIDE:g} times the shorter one"
+            )
+        rate = kind.fps if fps is None else whole_number(fps)
+        if rate is None or not 1 <= rate <= kind.most_fps:
+            raise ConfigError(f"fps must be a whole number from 1 to {kind.most_fps} for {kind.name}, got {fps!r}")
+        if kind.even:
+            width, height = width + width % 2, height + height % 2
+        return cls(Path(path), (width, height), rate)
+
+    def write(self, pictures: Iterable[Pixels], frames: int, progress: Progress | None = None) -> RenderReport:
+        """Write the `frames` pictures of the video as they come. Raises the errors of `render_replay`."""
+        with video_file(self.path, self.size, self.fps) as video:
+            for done, pixels in enumerate(pictures, start=1):
+                video.write(pixels)
+                if progress is not None:
+                    progress(done, frames)
+        return RenderReport(self.path, frames, frames / self.fps, self.size, self.fps)
 
 
 def render_replay(
@@ -85,8 +137,7 @@ def render_replay(
             file is left, and an older file of that name is kept.
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
-    kind = format_of(Path(path))
-    within = frame_size(kind, size, shape)
+    output = VideoOutput.of(path, size, shape, fps)
     words = captions != "none"
     if what_if is not None:
         if start_s is not None or end_s is not None:
@@ -94,53 +145,17 @@ def render_replay(
         judged_ms, captions = what_if.contest.judged_ms, "none"
         start_s = max(0, judged_ms - BEFORE_MS) / 1000.0
         end_s = min(replay.duration_ms, judged_ms + AFTER_MS) / 1000.0
-    clip = clip_of(replay, kind, fps, start_s or 0.0, end_s, speed)
-    renderer = MatchRenderer(MatchInfo.of_replay(replay, event=event), within, layout, replay.seed, captions=captions)
+    clip = clip_of(replay, output.fps, start_s or 0.0, end_s, speed)
+    renderer = MatchRenderer(MatchInfo.of_replay(replay, event=event), output.size, layout, replay.seed, captions)
     renderer.view_of = None if view_of is None else _viewed_seat(replay, view_of)
     if start_s is not None or end_s is not None:
         pictures = rendered_frames(replay, renderer, clip)
         if what_if is not None:
             pictures = with_ghost(pictures, renderer, clip.times_ms, what_if, words=words)
-        return write_video(path, pictures, within, clip.fps, clip.frames, progress)
+        return output.write(pictures, clip.frames, progress)
     pictures = frames_of(observed_worlds(replay, renderer), renderer, [*clip.times_ms, float(clip.end_ms)])
     frames = clip.frames + 1 + card_frames(cards.TITLE_MS, clip.fps) + card_frames(cards.PODIUM_MS, clip.fps)
-    return write_video(path, with_cards(pictures, renderer, clip.fps), within, clip.fps, frames, progress)
-
-
-def write_video(
-    path: str | os.PathLike[str],
-    pictures: Iterable[Pixels],
-    size: tuple[int, int],
-    fps: int,
-    frames: int,
-    progress: Progress | None = None,
-) -> RenderReport:
-    """Write the `frames` pictures of a video as they come. Raises the errors of `render_replay`."""
-    with video_file(path, size, fps) as video:
-        for done, pixels in enumerate(pictures, start=1):
-            video.write(pixels)
-            if progress is not None:
-                progress(done, frames)
-    return RenderReport(Path(path), frames, frames / fps, size, fps)
-
-
-def frame_size(kind: Format, size: tuple[int, int] | None, shape: hud.FrameShape | None = None) -> tuple[int, int]:
-    """Return `size` or the default (width, height) [pixels] of the format and shape, made even if the format needs it.
-
-    Raises:
-        ConfigError: for a size outside the limits of frames, or of another shape, and for an unknown shape.
-    """
-    shorter = kind.size[1] * 3 // 2
-    usual = {"landscape": kind.size, "portrait": (shorter, shorter * 16 // 9), "square": (shorter, shorter)}
-    if shape is not None:
-        require_choice("shape", shape, tuple(usual))
-    width, height = checked_size(usual[shape or "landscape"] if size is None else size)
-    if shape is not None and hud.frame_shape((width, height)) != shape:
-        raise ConfigError(
-            f"size must be {shape}, got {width}x{height}, which is {hud.frame_shape((width, height))}; the longer side "
-            f"of a landscape or portrait frame is at least {hud.WIDE:g} times the shorter one"
-        )
-    return (width + width % 2, height + height % 2) if kind.even else (width, height)
+    return output.write(with_cards(pictures, renderer, clip.fps), frames, progress)
 
 
 def card_frames(time_ms: int, fps: int) -> int:
@@ -208,13 +223,12 @@ def frames_of(worlds: Iterable[World], renderer: MatchRenderer, times_ms: Sequen
             yield renderer.draw(time_ms, step_frames.motion.at(time_ms, step_frames.next_tick))
 
 
-def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s: float | None, speed: float) -> Clip:
+def clip_of(replay: Replay, fps: int, start_s: float, end_s: float | None, speed: float) -> Clip:
     """Return a part of a match at a pace, after checking both.
 
     Raises:
-        ConfigError: for a part that is not in the match, and an invalid fps or speed.
+        ConfigError: for a part that is not in the match, and an invalid speed.
     """
-    fps = frame_rate(kind, fps)
     pace = pace_of(speed)
     whole_s = replay.duration_ms / 1000.0
     until_s = whole_s if end_s is None else end_s
@@ -224,18 +238,6 @@ def clip_of(replay: Replay, kind: Format, fps: int | None, start_s: float, end_s
         raise ConfigError(f"the end must be after the start, {start_s:g} s, got {until_s!r}")
     end_ms = round(1000.0 * min(whole_s, until_s))
     return Clip(round(1000.0 * start_s), end_ms, fps, pace)
-
-
-def frame_rate(kind: Format, fps: int | None) -> int:
-    """Return `fps` or the format's default, after checking it.
-
-    Raises:
-        ConfigError: for fps that is no whole number from 1 to the format's maximum.
-    """
-    rate = kind.fps if fps is None else whole_number(fps)
-    if rate is None or not 1 <= rate <= kind.most_fps:
-        raise ConfigError(f"fps must be a whole number from 1 to {kind.most_fps} for {kind.name}, got {fps!r}")
-    return rate
 
 
 def pace_of(speed: float) -> Fraction:

@@ -10,7 +10,6 @@ import pytest
 from render.videos import ENDINGS, SMALL, decoded, drawn, psnr
 
 from catch_arena.errors import ConfigError
-from catch_arena.render.encoders import FORMATS
 from catch_arena.render.timing import Clip
 from catch_arena.render.video import clip_of, render_replay
 
@@ -117,7 +116,7 @@ def test_a_match_without_steps_is_one_frame(tmp_path, play, ending):
 
 def test_an_end_after_the_end_is_the_end(match):
     for end_s in (4.0, float("inf")):
-        assert clip_of(match, FORMATS[".mp4"], 60, 1.0, end_s, 1.0) == Clip(1000, 3000, 60)
+        assert clip_of(match, 60, 1.0, end_s, 1.0) == Clip(1000, 3000, 60)
 
 
 @pytest.mark.parametrize(

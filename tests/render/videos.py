@@ -23,7 +23,7 @@ def decoded(path: Path) -> list[np.ndarray]:
 
 
 def drawn(replay, size, fps, layout="broadcast", start_s=0.0, end_s=None, speed=1.0) -> list[np.ndarray]:
-    clip = clip_of(replay, FORMATS[".mp4"], fps, start_s, end_s, speed)
+    clip = clip_of(replay, fps, start_s, end_s, speed)
     return [pixels[..., :3].copy() for pixels in rendered_frames(replay, renderer_for(replay, size, layout), clip)]
 
 

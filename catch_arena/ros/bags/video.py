@@ -11,11 +11,11 @@ from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import Turtle
 from catch_arena.render import hud
 from catch_arena.render.captions import Captions
-from catch_arena.render.encoders import Progress, format_of
+from catch_arena.render.encoders import Progress
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.timing import Clip
-from catch_arena.render.video import RenderReport, frame_rate, frame_size, frames_of, write_video
+from catch_arena.render.video import RenderReport, VideoOutput, frames_of
 from catch_arena.ros.bags.reading import BagContents
 from catch_arena.ros.bags.rulings import JudgedCatch
 from catch_arena.scenarios import scenario
@@ -53,15 +53,15 @@ def render_bag(
         ConfigError: for a setting that is not allowed.
         OutputError: if the file cannot be written.
     """
-    kind = format_of(path)
-    within = frame_size(kind, size, shape)
+    output = VideoOutput.of(path, size, shape, fps)
     ticks = ceil(bag.end_ms / TICK_MS)
-    clip = Clip(0, ticks * TICK_MS, frame_rate(kind, fps))
+    clip = Clip(0, ticks * TICK_MS, output.fps)
     names = tuple(bag.hunters)
     config = scenario("standard", hunters=len(names), reach_m=reach_m)
-    renderer = MatchRenderer(MatchInfo.of(config, names, title, clip.end_ms), within, "broadcast", captions=captions)
+    info = MatchInfo.of(config, names, title, clip.end_ms)
+    renderer = MatchRenderer(info, output.size, "broadcast", captions=captions)
     frames = frames_of(bag_worlds(bag, judged), renderer, clip.times_ms)
-    return write_video(path, frames, within, clip.fps, clip.frames, progress)
+    return output.write(frames, clip.frames, progress)
 
 
 def bag_worlds(bag: BagContents, judged: Sequence[JudgedCatch]) -> Iterator[World]:
