@@ -7,6 +7,7 @@ description. The core makes tuples of these fields.
 
 import math
 from collections.abc import Callable, Iterable, Iterator
+from functools import cache
 from itertools import chain
 from typing import Annotated, Any, Final, NamedTuple
 
@@ -231,11 +232,20 @@ class Group(NamedTuple):
         return self.first + self.ranks * len(self.table._fields)
 
 
+@cache  # a view of one step is made of them
+def _grouped(
+    own_table: Any, first_seen: tuple[str, Any, int], then_seen: tuple[str, Any, int]
+) -> tuple[Group, Group, Group]:
+    """Return the columns of an agent itself, and then of the two kinds that it sees: word, table and ranks of each."""
+    own = Group("", own_table, 1, 0)
+    first = Group(*first_seen, own.end)
+    return own, first, Group(*then_seen, first.end)
+
+
 def groups(arena: Any) -> tuple[Group, Group, Group]:
     """R7.1: return the columns of a hunter's observation: the hunter itself, targets, rivals."""
-    own = Group("", SelfFeatures, 1, 0)
-    targets = Group("target", target_features(arena), arena.targets_seen, own.end)
-    return own, targets, Group("rival", rival_features(arena), arena.hunters_seen, targets.end)
+    seen = ("target", target_features(arena), arena.targets_seen), ("rival", rival_features(arena), arena.hunters_seen)
+    return _grouped(SelfFeatures, *seen)
 
 
 def observation_size(arena: Any) -> int:
@@ -249,10 +259,8 @@ def prey_groups(arena: Any) -> tuple[Group, Group, Group]:
     Args:
         arena: an `ArenaConfig`, or prey's `PreyLimits`.
     """
-    own = Group("", PreySelfFeatures, 1, 0)
-    hunters = Group("hunter", BodyFeatures, min(arena.hunters, MOST_SEEN_BY_PREY), own.end)
-    others = max(0, min(arena.prey - 1, MOST_SEEN_BY_PREY))
-    return own, hunters, Group("prey", OtherPreyFeatures, others, hunters.end)
+    hunters, others = (min(number, MOST_SEEN_BY_PREY) for number in (arena.hunters, max(0, arena.prey - 1)))
+    return _grouped(PreySelfFeatures, ("hunter", BodyFeatures, hunters), ("prey", OtherPreyFeatures, others))
 
 
 def prey_observation_size(arena: Any) -> int:
