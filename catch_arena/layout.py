@@ -289,14 +289,13 @@ def _columns_of(table: Any, config: ArenaConfig) -> tuple[Column, ...]:
 
 
 def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[Column]:
-    """Return a table's columns once for each number (a rank, seat or place), named "{kind}_{number}.{column}"."""
+    """Return a table's columns once for each number (a seat or place), named "{kind}_{number}.{column}"."""
     return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
 
 
 def _columns_in(groups: tuple[Group, ...], config: ArenaConfig) -> tuple[Column, ...]:
-    own, *ranked = groups
-    numbered = (_numbered(one.kind, range(1, one.ranks + 1), _columns_of(one.table, config)) for one in ranked)
-    return (*_columns_of(own.table, config), *chain.from_iterable(numbered))
+    unnamed = chain.from_iterable(group.ranks * _columns_of(group.table, config) for group in groups)
+    return tuple(column._replace(name=name) for name, column in zip(column_names(groups), unnamed, strict=True))
 
 
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
