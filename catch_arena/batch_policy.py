@@ -71,10 +71,6 @@ class BatchView(ManyViews):
         """
         return self._table(2)
 
-    def of(self, rows: Any) -> "BatchView":
-        """Return the view of the hunters that an index or a mask selects."""
-        return BatchView(self.observations[rows], self.masks[rows], self.limits)
-
 
 class PreyBatchView(ManyViews):
     """Many observations of prey under names: `view.own.x`, `view.hunters.forward`. Nothing is copied.
@@ -107,7 +103,3 @@ class PreyBatchView(ManyViews):
         `present` is 0.
         """
         return self._table(2)
-
-    def of(self, rows: Any) -> "PreyBatchView":
-        """Return the view of the prey that an index or a mask selects."""
-        return PreyBatchView(self.observations[rows], self.limits)

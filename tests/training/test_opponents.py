@@ -86,7 +86,7 @@ def test_a_batch_view_names_what_a_view_names():
             assert view.rivals.score_difference[2, 1, rank] == rival.score_difference
             if config.teams is not None:
                 assert view.rivals.mate[2, 1, rank] == rival.mate
-        assert np.shares_memory(view.of(slice(1, 3)).targets.left, observations)
+        assert np.shares_memory(view.targets.left, observations)
 
 
 def quarter_speed(view):

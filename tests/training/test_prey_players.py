@@ -111,7 +111,6 @@ def test_prey_with_act_batch_is_called_once_a_step_for_the_prey_of_all_arenas():
         table = np.stack([column for key, column in getattr(view, name)._asdict().items() if key != "present"], axis=-1)
         assert table.tolist() == [[list(body[1:]) for body in getattr(one, name)] for one in singles]
         assert (getattr(view, name).present == 1).all()
-        assert getattr(view.of([4]), name).left.tolist() == getattr(view, name).left[[4]].tolist()
 
 
 def test_prey_is_a_class_or_an_object_too():
