@@ -13,8 +13,8 @@ from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario as scenario_of
-from catch_arena.tournament.agent_spec import is_shipped
-from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, Inspection, enter
+from catch_arena.tournament.agent_spec import AgentSpec, is_shipped
+from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, enter
 from catch_arena.tournament.isolation.namespaces import available_level, level_line
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for
@@ -227,15 +227,15 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, 
         quotas: quotas of isolated agents; None if all are trusted.
 
     Raises:
-        AgentError: for a spec that names no agent, or an agent in this process that cannot be loaded.
+        AgentError: for a spec that names no agent.
         MatchFailedError: if an isolated agent cannot be started, for a reason on our side.
     """
     with sandbox_for(quotas) as sandbox, progress_bar("loading agents") as show:
         inspect, seen = inspector(sandbox), count(1)
 
-        def inspect_next(spec: str) -> Inspection:
+        def inspect_next(agent: AgentSpec) -> Entrant:
             show(next(seen), len(specs))
-            return inspect(spec)
+            return inspect(agent)
 
         entrants = enter(specs, inspect_next)
     print_level(quotas, [entrant.spec for entrant in entrants])

@@ -10,9 +10,9 @@ from typing import Final
 from catch_arena.config import Control
 from catch_arena.errors import AgentError
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
-from catch_arena.text import last_lines, name_fault, one_line
-from catch_arena.tournament.agent_spec import command_of, file_of, resolve, shipped_spec, unique_names
-from catch_arena.tournament.loading import create_policy, has_prey, sources_of
+from catch_arena.text import name_fault
+from catch_arena.tournament.agent_spec import AgentSpec, command_of, file_of, resolve, shipped_spec, unique_names
+from catch_arena.tournament.loading import create_policy, sources_and_prey
 
 SHIPPED_PREY: Final = "flee"
 """The agent that plays prey for agents that do not."""
@@ -30,8 +30,8 @@ class Entrant:
     """Absolute path of a file or folder, `package.module:Class`, or `cmd:` and a command with absolute paths."""
     control: Control
     digest: str
-    """Digest of the agent's files (`sources_of`) and of network weights next to them, in 16 hexadecimal digits; for a
-    command, digest of its words and of the files that they name.
+    """Digest of the agent's files and of network weights next to them, in 16 hexadecimal digits; for a command, digest
+    of its words and of the files that they name.
     """
     fault: str | None = None
     """Reason for which it cannot play and forfeits all matches, found by its inspection; None if it can play."""
@@ -75,32 +75,18 @@ class Entrant:
         return create_policy(self.spec, self.side)
 
 
-@dataclass(frozen=True, slots=True)
-class Inspection:
-    """Result of inspecting an agent."""
-
-    control: Control = "target"
-    sources: tuple[str, ...] = ()
-    """Files of the agent, from `sources_of`."""
-    fault: str | None = None
-    """Reason for which it cannot play; None if it can."""
-    log: str = ""
-    """Output of the agent during its inspection."""
-    prey: bool = False
-    """True if it plays prey itself."""
-
-
-def inspect_agent(spec: str) -> Inspection:
-    """Inspect an agent in this process.
+def inspect_agent(agent: AgentSpec) -> Entrant:
+    """Return the entrant of an agent that is inspected in this process; its name is its spec.
 
     Raises:
         AgentError: if it cannot play.
     """
-    policy = create_policy(spec)
-    return Inspection(control_of(policy), sources_of(spec), prey=has_prey(spec))
+    control = control_of(create_policy(agent.spec))
+    sources, prey = sources_and_prey(agent.spec)
+    return Entrant(agent.spec, agent.spec, control, agent.digest(sources), prey=prey)
 
 
-def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_agent) -> tuple[Entrant, ...]:
+def enter(specs: Sequence[str], inspect: Callable[[AgentSpec], Entrant] = inspect_agent) -> tuple[Entrant, ...]:
     """Return the entrants that these specs name, in their order.
 
     Args:
@@ -113,21 +99,20 @@ def enter(specs: Sequence[str], inspect: Callable[[str], Inspection] = inspect_a
     """
     entrants = []
     inspect = cache(inspect)
-    resolved = [resolve(spec) for spec in specs]
-    for one, name in zip(resolved, unique_names(resolved), strict=True):
-        if any("\ud800" <= character <= "\udfff" for character in one.spec):  # Python's form of bytes that are no text
+    agents = [resolve(spec) for spec in specs]
+    for agent, name in zip(agents, unique_names(agents), strict=True):
+        if any(
+            "\ud800" <= character <= "\udfff" for character in agent.spec
+        ):  # Python's form of bytes that are no text
             raise AgentError(
-                f"{one.spec!a}: must be text in this system's encoding, {sys.getfilesystemencoding()}: "
+                f"{agent.spec!a}: must be text in this system's encoding, {sys.getfilesystemencoding()}: "
                 "give the file or its folder another name, or try LANG=C.UTF-8"
             )
         if (wrong := name_fault(name)) is not None:
-            raise AgentError(f"{one.spec!a}: {wrong}; give the file another name")
-        found = inspect(one.spec)
-        digest = one.digest(found.sources)
-        fault = None if found.fault is None else one_line(found.fault)
-        log = "" if fault is None else last_lines(found.log)
-        entrant = Entrant(name, one.spec, found.control, digest, fault, found.prey, digest, log=log)
-        entrants.append(replace(entrant, prey_digest=_shipped_prey().digest) if entrant.needs_prey else entrant)
+            raise AgentError(f"{agent.spec!a}: {wrong}; give the file another name")
+        entrant = inspect(agent)
+        prey_digest = _shipped_prey().digest if entrant.needs_prey else entrant.digest
+        entrants.append(replace(entrant, name=name, prey_digest=prey_digest))
     return tuple(entrants)
 
 

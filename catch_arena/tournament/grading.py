@@ -13,7 +13,8 @@ from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView, Side, View, player_limits
 from catch_arena.text import last_lines, printable, printable_lines
-from catch_arena.tournament.entrants import Entrant, Inspection, enter
+from catch_arena.tournament.agent_spec import AgentSpec
+from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import NOT_INSTALLED
@@ -95,7 +96,7 @@ class GradedMatch(NamedTuple):
     """Content of the replay's file."""
 
 
-def enter_opponents(spec: GradingSpec, inspect: Callable[[str], Inspection]) -> list[tuple[Entrant, ...]]:
+def enter_opponents(spec: GradingSpec, inspect: Callable[[AgentSpec], Entrant]) -> list[tuple[Entrant, ...]]:
     """Return the opponents in each test of a spec.
 
     Args:

@@ -66,17 +66,10 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
     return policy
 
 
-def has_prey(spec: str) -> bool:
-    """Return whether an agent in Python plays prey itself; no instance is made.
+def sources_and_prey(spec: str) -> tuple[tuple[str, ...], bool]:
+    """Return the files of an agent in Python, and whether it plays prey itself; no instance is made.
 
-    Raises:
-        AgentError: if its module cannot be used.
-    """
-    return hasattr(agent_module(spec), _PREY)
-
-
-def sources_of(spec: str) -> tuple[str, ...]:
-    """Return the files of an agent in Python: the file of its module, and the files that define its classes.
+    Its files are the file of its module, and the files that define its classes.
 
     Raises:
         AgentError: if its module cannot be used, or has no such class.
@@ -85,7 +78,7 @@ def sources_of(spec: str) -> tuple[str, ...]:
     homes = [getattr(one, "__module__", None) for one in (agent_class(spec), getattr(module, _PREY, None))]
     modules = [module, *(sys.modules.get(home) for home in homes if isinstance(home, str))]
     files = [getattr(one, "__file__", None) for one in modules]
-    return tuple(dict.fromkeys(file for file in files if isinstance(file, str)))
+    return tuple(dict.fromkeys(file for file in files if isinstance(file, str))), hasattr(module, _PREY)
 
 
 @cache

@@ -13,9 +13,9 @@ from typing import Any, Final, NamedTuple, get_args
 from catch_arena.config import Control, require_choice
 from catch_arena.errors import AgentError, ConfigError, MatchFailedError, reason
 from catch_arena.policy import AnyLimits, Policy, PreyPolicy, control_of
-from catch_arena.text import one_line, shortened
-from catch_arena.tournament.agent_spec import is_shipped
-from catch_arena.tournament.entrants import Entrant, Inspection, inspect_agent
+from catch_arena.text import last_lines, one_line, shortened
+from catch_arena.tournament.agent_spec import AgentSpec, is_shipped
+from catch_arena.tournament.entrants import Entrant, inspect_agent
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, excerpt, exit_reason
@@ -143,21 +143,22 @@ class Players(AbstractContextManager["Players"]):
                 moves[seat] = action, clock() - begin, None
         return moves | self._isolated_moves(observations) if self._processes else moves
 
-    def inspect(self) -> Inspection:
-        """Ask the agent in seat 0 for its control, side and sources, and end it."""
-        reply = self._greet()[0]
+    def inspect(self, agent: AgentSpec) -> Entrant:
+        """Return the entrant of the agent in seat 0 by its answer to the greeting, and end it."""
+        entrant, reply = self._isolated[0], self._greet()[0]
         log = self.logs()[0]
         self.drop(0)
-        if reply.fault is not None:
-            return Inspection(fault=reply.fault.reason, log=log)
         control, sources = reply.fields.get("control", "target"), reply.fields.get("sources")
+        fault = None if reply.fault is None else reply.fault.reason
         try:
             require_choice("control", control if isinstance(control, str) else shortened(control), get_args(Control))
         except ConfigError as error:
-            return Inspection(fault=str(error), log=log)
+            fault = str(error)
+        if fault is not None:
+            return replace(entrant, fault=one_line(fault), log=last_lines(log))
         listed = sources if isinstance(sources, list) else []  # a stranger's code may say anything
-        named = tuple(one for one in listed if isinstance(one, str))
-        return Inspection(control, named, None, log, reply.fields.get("prey") is True)
+        digest = agent.digest([one for one in listed if isinstance(one, str)])
+        return replace(entrant, control=control, digest=digest, prey=reply.fields.get("prey") is True)
 
     def drop(self, seat: int) -> None:
         """End the agent of a seat that forfeited or dropped out; no process of it is left."""
@@ -287,17 +288,18 @@ class Players(AbstractContextManager["Players"]):
         return exit_reason(code, process.log)
 
 
-def inspector(sandbox: Sandbox | None) -> Callable[[str], Inspection]:
+def inspector(sandbox: Sandbox | None) -> Callable[[AgentSpec], Entrant]:
     """Return a function that inspects an agent for `enter`, in the kind of process in which the agent would play."""
 
-    def inspect(spec: str) -> Inspection:
-        if sandbox is None or is_shipped(spec):
-            try:
-                return inspect_agent(spec)
-            except AgentError as error:
-                return Inspection(fault=str(error))
-        with Players([Entrant(spec, spec, "target", "")], sandbox) as players:
-            return players.inspect()
+    def inspect(agent: AgentSpec) -> Entrant:
+        entrant = Entrant(agent.spec, agent.spec, "target", agent.digest(()))
+        if sandbox is not None and not is_shipped(agent.spec):
+            with Players([entrant], sandbox) as players:
+                return players.inspect(agent)
+        try:
+            return inspect_agent(agent)
+        except AgentError as error:
+            return replace(entrant, fault=one_line(str(error)))
 
     return inspect
 

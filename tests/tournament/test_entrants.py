@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from catch_arena.errors import AgentError
-from catch_arena.tournament.entrants import Inspection, enter
+from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.players import inspector
@@ -177,7 +177,7 @@ def test_a_commands_name_and_digest_come_from_its_file_whatever_it_says(tmp_path
     monkeypatch.chdir(tmp_path)
 
     def entered(word, *sources):
-        return enter([f"cmd:sh {word}"], lambda _: Inspection(sources=sources))[0]
+        return enter([f"cmd:sh {word}"], lambda one: Entrant("", one.spec, "target", one.digest(sources)))[0]
 
     (tmp_path / "other").mkdir()
     for name in ("mine.sh", "other/mine.sh"):

@@ -18,7 +18,7 @@ from tournament.agents import write_agent
 
 import catch_arena
 from catch_arena import scenario
-from catch_arena.tournament.entrants import Inspection, enter
+from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play_match
@@ -189,9 +189,13 @@ def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, 
 
 def test_a_file_may_be_called_like_the_second_of_two(tmp_path):
     (tmp_path / "nearest#2.py").write_text(HOSTILE)
-    found = enter(["nearest", str(tmp_path / "nearest#2.py"), "nearest"], lambda _: Inspection())
+    found = enter(
+        ["nearest", str(tmp_path / "nearest#2.py"), "nearest"], lambda one: Entrant("", one.spec, "target", "")
+    )
     assert [one.name for one in found] == ["nearest", "nearest#2", "nearest#3"]
-    found = enter(["nearest", "nearest", str(tmp_path / "nearest#2.py")], lambda _: Inspection())
+    found = enter(
+        ["nearest", "nearest", str(tmp_path / "nearest#2.py")], lambda one: Entrant("", one.spec, "target", "")
+    )
     assert len({one.name for one in found}) == 3
 
 

@@ -34,7 +34,7 @@ from catch_arena.tournament.agent_spec import command_of, folder_of
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.namespaces import SHARED
 from catch_arena.tournament.isolation.quotas import Quotas
-from catch_arena.tournament.loading import agent_class, create_policy, has_prey, sources_of
+from catch_arena.tournament.loading import agent_class, create_policy, sources_and_prey
 
 _SET_PDEATHSIG, _SET_CHILD_SUBREAPER = 1, 36  # <linux/prctl.h>
 _MIB: Final = 1 << 20
@@ -134,7 +134,8 @@ def _serve_match(spec: str, into: int, out: int) -> NoReturn:
     doing = "init"
     try:
         control = getattr(policy, "control", "target")
-        _send(out, protocol.line(control=control, sources=sources_of(spec), prey=has_prey(spec)))
+        sources, prey = sources_and_prey(spec)
+        _send(out, protocol.line(control=control, sources=sources, prey=prey))
         if (line := _read_line(into)) not in _END_LINES:
             doing = "reset"
             message = json.loads(line)["reset"]
