@@ -8,7 +8,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
 from types import MappingProxyType
-from typing import Any, Final, NamedTuple, get_args
+from typing import Any, Final, get_args
 
 from catch_arena.config import Control, require_choice
 from catch_arena.errors import AgentError, ConfigError, MatchFailedError, reason
@@ -29,14 +29,8 @@ _WAIT_S: Final = 1.0 / 60.0
 """Time between two calls of `while_waiting` [s]."""
 
 
-class _Reply(NamedTuple):
-    """Answer of an agent in one line, or the fault that it has instead."""
-
-    fields: dict[str, Any]
-    """JSON object in the line; empty if there is a fault."""
-    seconds: float
-    """Time from sending a line to reading the answer [s]."""
-    fault: Fault | None = None
+_Reply = tuple[dict[str, Any], float, Fault | None]
+"""Answer of an isolated agent: JSON object in its line (empty if there is a fault); time taken [s]; fault."""
 
 
 class Players(AbstractContextManager["Players"]):
@@ -110,19 +104,19 @@ class Players(AbstractContextManager["Players"]):
                 self._absent[seat] = Fault("FORFEIT_INIT", f"reset raised {reason(error)}")
         greeted = self._greet()
         faults: dict[int, Fault] = {}
-        for seat, reply in greeted.items():
-            if reply.fault is not None:
-                faults[seat] = reply.fault
+        for seat, (fields, _, fault) in greeted.items():
+            if fault is not None:
+                faults[seat] = fault
             elif self._isolated[seat].side == "prey":  # prey cannot choose its control (R12.2)
                 continue
-            elif (control := reply.fields.get("control", "target")) != self.controls[seat]:
+            elif (control := fields.get("control", "target")) != self.controls[seat]:
                 why = f"says that its control is {shortened(control)}, and said {self.controls[seat]!r} before"
                 faults[seat] = Fault("FORFEIT_INIT", why)
         lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
-        left_s = {seat: max(0.0, self._quotas.init_s - greeted[seat].seconds) for seat in lines}
-        for seat, reply in self._exchange(lines, left_s, "reset").items():
-            if reply.fault is not None:
-                faults[seat] = reply.fault
+        left_s = {seat: max(0.0, self._quotas.init_s - greeted[seat][1]) for seat in lines}
+        for seat, (_, _, fault) in self._exchange(lines, left_s, "reset").items():
+            if fault is not None:
+                faults[seat] = fault
         return self._absent | {seat: replace(fault, code="FORFEIT_INIT") for seat, fault in faults.items()}
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Move]:
@@ -145,20 +139,20 @@ class Players(AbstractContextManager["Players"]):
 
     def inspect(self, agent: AgentSpec) -> Entrant:
         """Return the entrant of the agent in seat 0 by its answer to the greeting, and end it."""
-        entrant, reply = self._isolated[0], self._greet()[0]
+        entrant, (fields, _, fault) = self._isolated[0], self._greet()[0]
         log = self.logs()[0]
         self.drop(0)
-        control, sources = reply.fields.get("control", "target"), reply.fields.get("sources")
-        fault = None if reply.fault is None else reply.fault.reason
+        control, sources = fields.get("control", "target"), fields.get("sources")
+        why = None if fault is None else fault.reason
         try:
             require_choice("control", control if isinstance(control, str) else shortened(control), get_args(Control))
         except ConfigError as error:
-            fault = str(error)
-        if fault is not None:
-            return replace(entrant, fault=one_line(fault), log=last_lines(log))
+            why = str(error)
+        if why is not None:
+            return replace(entrant, fault=one_line(why), log=last_lines(log))
         listed = sources if isinstance(sources, list) else []  # a stranger's code may say anything
         digest = agent.digest([one for one in listed if isinstance(one, str)])
-        return replace(entrant, control=control, digest=digest, prey=reply.fields.get("prey") is True)
+        return replace(entrant, control=control, digest=digest, prey=fields.get("prey") is True)
 
     def drop(self, seat: int) -> None:
         """End the agent of a seat that forfeited or dropped out; no process of it is left."""
@@ -187,12 +181,12 @@ class Players(AbstractContextManager["Players"]):
         step_s, bank_s = self._quotas.step_ms / 1000.0, self._bank_s
         lines = {seat: protocol.view_line(*one) for seat, one in observations.items() if seat in self._processes}
         allowed_s = {seat: step_s + bank_s[seat] for seat in lines}
-        for seat, reply in self._exchange(lines, allowed_s, "act", self._while_waiting).items():
-            bank_s[seat] -= max(0.0, reply.seconds - step_s)
-            fault = reply.fault
-            if fault is None and "action" not in reply.fields:
-                fault = Fault("FORFEIT_ILLEGAL", f"its line holds no action: {shortened(reply.fields)}")
-            moves[seat] = reply.fields.get("action"), reply.seconds, fault
+        for seat, (fields, seconds, fault) in self._exchange(lines, allowed_s, "act", self._while_waiting).items():
+            bank_s[seat] -= max(0.0, seconds - step_s)
+            if fault is None and "action" not in fields:
+                moves[seat] = None, seconds, Fault("FORFEIT_ILLEGAL", f"its line holds no action: {shortened(fields)}")
+            else:
+                moves[seat] = fields.get("action"), seconds, fault
         return moves
 
     def _exchange(
@@ -222,9 +216,7 @@ class Players(AbstractContextManager["Players"]):
             process = self._processes[seat]
             sent_at[seat] = sent = time.monotonic()
             if not process.write(line):
-                replies[seat] = _Reply(
-                    {}, 0.0, Fault("FORFEIT_TIMEOUT", f"{doing}: it does not read its lines", late=True)
-                )
+                replies[seat] = {}, 0.0, Fault("FORFEIT_TIMEOUT", f"{doing}: it does not read its lines", late=True)
                 continue
             due[seat] = sent + allowed_s[seat]
             for file in process.files():
@@ -244,13 +236,13 @@ class Players(AbstractContextManager["Players"]):
                         poll.unregister(file)
                 elif (received := process.read()) is not None:
                     poll.unregister(file)
-                    reply = _parse(doing, received, now - sent_at[seat], process)
-                    in_time = now <= due.pop(seat) or reply.fault is not None
-                    replies[seat] = reply if in_time else _Reply({}, reply.seconds, late)
+                    fields, fault = _parse(doing, received, process)
+                    in_time = now <= due.pop(seat) or fault is not None
+                    replies[seat] = (fields if in_time else {}), now - sent_at[seat], (fault if in_time else late)
             for seat in [seat for seat, end in due.items() if now > end]:
                 del due[seat]
                 poll.unregister(self._processes[seat].answer_pipe)  # later answers are too late
-                replies[seat] = _Reply({}, now - sent_at[seat], late)
+                replies[seat] = {}, now - sent_at[seat], late
             if while_waiting is not None and due and now >= call_at:
                 try:
                     while_waiting()
@@ -260,10 +252,9 @@ class Players(AbstractContextManager["Players"]):
                     raise
                 waited_s = time.monotonic() - now
                 call_at = now + _WAIT_S
-        for seat, reply in replies.items():
-            if reply.fault is ENDED:
-                why = self._end_of_process(seat)
-                replies[seat] = _Reply({}, reply.seconds, Fault("FORFEIT_CRASH", f"{doing}: {why}"))
+        for seat, (_, seconds, fault) in replies.items():
+            if fault is ENDED:
+                replies[seat] = {}, seconds, Fault("FORFEIT_CRASH", f"{doing}: {self._end_of_process(seat)}")
         return replies
 
     def _limit_name(self, doing: str) -> str:
@@ -304,21 +295,20 @@ def inspector(sandbox: Sandbox | None) -> Callable[[AgentSpec], Entrant]:
     return inspect
 
 
-def _parse(doing: str, received: bytes | Fault, seconds: float, process: AgentProcess) -> _Reply:
-    """Return an agent's line as a reply; a line that is no JSON object, or that holds an error, is a fault."""
+def _parse(doing: str, received: bytes | Fault, process: AgentProcess) -> tuple[dict[str, Any], Fault | None]:
+    """Return the JSON object in an agent's line, and its fault: a line without one, or with an error."""
     if isinstance(received, Fault):
-        return _Reply({}, seconds, received)
+        return {}, received
     try:
         fields = json.loads(received)
     except (ValueError, RecursionError):
         fields = None
     if not isinstance(fields, dict):
-        return _Reply({}, seconds, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {excerpt(received)}"))
+        return {}, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {excerpt(received)}")
     if "ended" in fields:  # our program reports the end of the process that it forked for the match
         process.read_log()
-        why = exit_reason(fields["ended"], process.log)
-        return _Reply({}, seconds, Fault("FORFEIT_CRASH", f"{doing}: {why}"))
+        return {}, Fault("FORFEIT_CRASH", f"{doing}: {exit_reason(fields['ended'], process.log)}")
     if "error" in fields:
         why = fields["error"]
-        return _Reply({}, seconds, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else shortened(why))))
-    return _Reply(fields, seconds)
+        return {}, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else shortened(why)))
+    return fields, None
