@@ -134,7 +134,7 @@ def measure_scenario(
     by_block = [_normalised(list(block)) for _, block in groupby(played, key=lambda one: one.match.block)]
     column = np.array(by_block)[:, None]
     (score,) = ratios(column, np.ones_like(column))
-    results = SideResults.of(entrants, played)
+    results = SideResults.of(entrants, played, scenario.parties)
     table = standings(results)
     (line,) = (line for line in table if line.name == entrants[AGENT].name)
     times = [one.result.thinking[one.match.seating.index(AGENT)] for one in played]

@@ -59,7 +59,7 @@ def resume(folder):
         Executor(Worker(CONFIG, ENTRANTS)) as executor,
     ):
         play_plan(store, PLAN, executor, max_forfeits=10)
-        standings(SideResults.of(ENTRANTS, list(store.played())))
+        standings(SideResults.of(ENTRANTS, list(store.played()), hunters(2)))
 
 
 def follow(folder):

@@ -36,16 +36,16 @@ class SideMatch(NamedTuple):
     forfeits: tuple[Forfeit | None, ...]
 
 
-def on_side(played: Sequence[PlayedMatch], parties: Parties | None = None, side: Side = "hunter") -> list[SideMatch]:
+def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side = "hunter") -> list[SideMatch]:
     """Return the matches of one side in the order of the plan.
 
     Args:
         played: matches in whole blocks.
-        parties: the parties of the arena; None if all parties of a match are compared.
+        parties: the parties of the arena.
         side: the side.
     """
     in_order = sorted(played, key=lambda one: one.match)
-    cut = slice(None) if parties is None else parties.on(side)
+    cut = parties.on(side)
     matches = [
         SideMatch(
             one.match.block,
@@ -56,7 +56,7 @@ def on_side(played: Sequence[PlayedMatch], parties: Parties | None = None, side:
         )
         for one in in_order
     ]
-    if parties is None or len(parties.sides) == 1 or len(parties.seats[cut]) > 1:
+    if len(parties.sides) == 1 or len(parties.seats[cut]) > 1:
         return matches
     other = parties.on("prey" if side == "hunter" else "hunter")
     alike: dict[tuple[int, tuple[int, ...]], list[SideMatch]] = {}
@@ -133,16 +133,11 @@ class SideResults:
 
     @classmethod
     def of(
-        cls,
-        entrants: Sequence[Entrant],
-        played: Sequence[PlayedMatch],
-        parties: Parties | None = None,
-        side: Side = "hunter",
+        cls, entrants: Sequence[Entrant], played: Sequence[PlayedMatch], parties: Parties, side: Side = "hunter"
     ) -> "Self":
         """Return the results of a side; the arguments are those of `on_side`."""
-        cut = slice(None) if parties is None else parties.on(side)
         outcomes = Outcomes.of(len(entrants), on_side(played, parties, side))
-        return cls(side, [entrant.on(side) for entrant in entrants], played, cut, outcomes)
+        return cls(side, [entrant.on(side) for entrant in entrants], played, parties.on(side), outcomes)
 
 
 @dataclass(frozen=True, slots=True)

@@ -4,6 +4,7 @@ import math
 
 import pytest
 from tournament.played_matches import made_up
+from tournament.seats import hunters
 
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.statistics.head_to_head import head_to_head
@@ -13,7 +14,7 @@ FOUR = [Entrant(name, f"{name}.py", "target", "0" * 16) for name in "abcd"]
 
 
 def encounters(played):
-    return head_to_head(SideResults.of(FOUR, played))
+    return head_to_head(SideResults.of(FOUR, played, hunters(2)))
 
 
 TABLE = encounters([made_up(0, (0, 1), (3, 1)), made_up(1, (1, 0), (4, 4)), made_up(2, (2, 0), (2, 9))])

@@ -42,7 +42,7 @@ def test_equals_are_told_apart_as_seldom_as_docs_ratings_says():
 
 def test_the_order_is_clear_once_there_is_enough_and_the_hardest_pair_is_named():
     rates = (20.0, 10.0, 12.0)
-    early, late = (separation(SideResults.of(THREE, played(blocks, rates))) for blocks in (12, 400))
+    early, late = (separation(SideResults.of(THREE, played(blocks, rates), hunters(3))) for blocks in (12, 400))
     assert not early.clear
     assert early.p > late.p
     assert (late.clear, late.pair) == (True, ("c", "b"))
@@ -51,7 +51,7 @@ def test_the_order_is_clear_once_there_is_enough_and_the_hardest_pair_is_named()
 
 def test_one_that_never_wins_is_certainly_worse():
     """Though its rating could be anything far below."""
-    found = SideResults.of(THREE, played(40, (30.0, 10.0, 0.0)))
+    found = SideResults.of(THREE, played(40, (30.0, 10.0, 0.0)), hunters(3))
     ratings = rate(found.outcomes)
     assert ratings.blocks_above.tolist() == [[0, 40, 40], [0, 0, 40], [0, 0, 0]]
     assert p_values(ratings)[0, 2] <= 2 * 2 / 2**40

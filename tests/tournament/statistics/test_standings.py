@@ -7,6 +7,7 @@ import math
 
 import pytest
 from tournament.played_matches import made_up
+from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.tournament.entrants import Entrant
@@ -32,7 +33,7 @@ def played(
 
 
 def table_of(entrants: list[Entrant], matches: list[PlayedMatch]) -> list[Standing]:
-    return standings(SideResults.of(entrants, matches))
+    return standings(SideResults.of(entrants, matches, hunters(2)))
 
 
 FOUR = [
