@@ -181,7 +181,7 @@ class Players(AbstractContextManager["Players"]):
         step_s, bank_s = self._quotas.step_ms / 1000.0, self._bank_s
         lines = {seat: protocol.view_line(*one) for seat, one in observations.items() if seat in self._processes}
         allowed_s = {seat: step_s + bank_s[seat] for seat in lines}
-        for seat, (fields, seconds, fault) in self._exchange(lines, allowed_s, "act", self._while_waiting).items():
+        for seat, (fields, seconds, fault) in self._exchange(lines, allowed_s, "act").items():
             bank_s[seat] -= max(0.0, seconds - step_s)
             if fault is None and "action" not in fields:
                 moves[seat] = None, seconds, Fault("FORFEIT_ILLEGAL", f"its line holds no action: {shortened(fields)}")
@@ -189,13 +189,7 @@ class Players(AbstractContextManager["Players"]):
                 moves[seat] = fields.get("action"), seconds, fault
         return moves
 
-    def _exchange(
-        self,
-        lines: Mapping[int, bytes],
-        allowed_s: Mapping[int, float],
-        doing: str,
-        while_waiting: Callable[[], None] | None = None,
-    ) -> dict[int, _Reply]:
+    def _exchange(self, lines: Mapping[int, bytes], allowed_s: Mapping[int, float], doing: str) -> dict[int, _Reply]:
         """Send each seat its line, and return the answer of each: a JSON object or a fault.
 
         Raises:
@@ -210,6 +204,7 @@ class Players(AbstractContextManager["Players"]):
         poll = select.poll()
         late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._limit_name(doing)}", late=True)
         now = time.monotonic()
+        while_waiting = self._while_waiting if doing == "act" else None
         call_at = math.inf if while_waiting is None else now + _WAIT_S
         waited_s = 0.0  # time in `while_waiting`, which `now` does not count
         for seat, line in lines.items():
