@@ -20,6 +20,7 @@ from catch_arena.files import prepare_folder, write_whole
 from catch_arena.replay.fileformat import decode_replay
 from catch_arena.text import last_lines
 from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.execution.block_queue import MOST_TRIES
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.grading import GradedMatch, TestGrade, grade_agent, unplayed_grade
 from catch_arena.tournament.grading_spec import GradingSpec
@@ -29,8 +30,6 @@ from catch_arena.tournament.players import inspector
 
 KEPT: Final = "json"
 """Folder of the kept grades, in the folder of results."""
-_MOST_TRIES: Final = 3
-"""Number of tries for a submission that fails on our side."""
 
 
 class Graded(msgspec.Struct, frozen=True, kw_only=True):
@@ -155,7 +154,7 @@ def grade_class(
             try:
                 graded = msgspec.structs.replace(executor.result(future), key=keys[submission.name])
             except MatchFailedError as error:
-                if tries < _MOST_TRIES:
+                if tries < MOST_TRIES:
                     waiting.append((submission, tries + 1))
                     continue
                 yield Graded(name=submission.name, digest=submission.digest(), grades=(), fault=str(error)), False

@@ -15,8 +15,8 @@ from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.execution.executors import Executor, RecordedMatch
 from catch_arena.tournament.match import Block, Fault, PlayedMatch
 
-_MOST_TRIES: Final = 3
-"""Number of tries of a block that fails on our side."""
+MOST_TRIES: Final = 3
+"""Number of tries of a block, or of the grading of a submission, that fails on our side."""
 _MOST_HELD: Final = 256
 """Largest number of played blocks that wait in memory for an earlier block."""
 _PAUSE_S: Final = 1.0
@@ -101,9 +101,9 @@ def play_blocks(blocks: Iterable[Block], executor: Executor, streaks: ForfeitStr
             one.matches = executor.result(one.future)
         except MatchFailedError as error:
             one.failures += 1
-            if one.failures == _MOST_TRIES:
+            if one.failures == MOST_TRIES:
                 raise MatchFailedError(
-                    f"match {one.block[0].id} or another one of its block failed {_MOST_TRIES} times: {error}"
+                    f"match {one.block[0].id} or another one of its block failed {MOST_TRIES} times: {error}"
                 ) from None
         return one.matches is not None
 
