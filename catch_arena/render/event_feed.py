@@ -3,9 +3,10 @@
 Pure functions from small states to shapes.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Final
+from itertools import chain
+from typing import Final, Literal
 
 from catch_arena.explanation.formatting import millimetres
 from catch_arena.render.annotations import Annotation
@@ -22,37 +23,30 @@ MOST_ITEMS: Final = 8
 
 @dataclass(frozen=True, slots=True)
 class FeedItem:
-    """One line of the feed: time, hunter, event, and the other agent of the event if there is one."""
+    """One line of the feed."""
 
     time_ms: int
-    seat: int
-    text: str
-    other: int | None = None
-    """Other agent, a hunter or prey; None if there is none."""
-    after: str = ""
-    """Text after the other agent's number."""
-    contest: bool = False
+    parts: tuple[int | str, ...]
+    """Agents and words, in the order of the line."""
+    kind: Literal["contest", "near", "refused"]
     times: int = 1
 
 
-def feed_items(annotations: Iterable[Annotation]) -> list[FeedItem]:
-    """Return the items of annotations: refusals, catches of prey, and catches with a rival near."""
-    items = []
-    for annotation in annotations:
-        if annotation.kind == "refused":
-            items.append(FeedItem(annotation.time_ms, annotation.seat, annotation.text))
-        if annotation.rivals and annotation.distance_um is not None:
-            rival = annotation.rivals[0]
-            behind = rival.distance_um - annotation.distance_um
-            margin = f"by {millimetres(behind)}" if behind > 0 else "by lot"
-            if rival.requested or behind > 0:
-                text = "beat" if rival.requested else "ahead of"
-                items.append(
-                    FeedItem(annotation.time_ms, annotation.seat, text, rival.seat, margin, contest=rival.requested)
-                )
-        if annotation.prey is not None:
-            items.append(FeedItem(annotation.time_ms, annotation.seat, "caught", annotation.prey, contest=True))
-    return items
+def feed_items(annotation: Annotation) -> Iterator[FeedItem]:
+    """Yield the items of a refusal, of a catch with a rival near, and of a catch of prey."""
+    time_ms, seat = annotation.time_ms, annotation.seat
+    if annotation.kind == "refused":
+        yield FeedItem(time_ms, (seat, annotation.text), "refused")
+    if annotation.rivals and annotation.distance_um is not None:
+        rival = annotation.rivals[0]
+        behind = rival.distance_um - annotation.distance_um
+        margin = f"by {millimetres(behind)}" if behind > 0 else "by lot"
+        if rival.requested:
+            yield FeedItem(time_ms, (seat, "beat", rival.seat, margin), "contest")
+        elif behind > 0:
+            yield FeedItem(time_ms, (seat, "ahead of", rival.seat, margin), "near")
+    if annotation.prey is not None:
+        yield FeedItem(time_ms, (seat, "caught", annotation.prey), "contest")
 
 
 def with_items(feed: Sequence[FeedItem], annotations: Iterable[Annotation]) -> tuple[FeedItem, ...]:
@@ -60,8 +54,8 @@ def with_items(feed: Sequence[FeedItem], annotations: Iterable[Annotation]) -> t
 
     Refusals of the same hunter for the same reason are one item with a count.
     """
-    for item in feed_items(annotations):
-        same = [old for old in feed if old.other is None and (old.seat, old.text) == (item.seat, item.text)]
+    for item in chain.from_iterable(map(feed_items, annotations)):
+        same = [old for old in feed if item.kind == "refused" and old.parts == item.parts]
         counted = replace(item, times=item.times + sum(old.times for old in same))
         feed = [counted, *(old for old in feed if old not in same)][:MOST_ITEMS]
     return tuple(feed)
@@ -84,14 +78,14 @@ def feed_shapes(area: Rect, info: MatchInfo, items: Sequence[FeedItem], unit: fl
         if timed:
             shapes.append(Label(x + 3.2 * size, middle, clock(item.time_ms), size, DIM, 500, "right"))
             x += 4.0 * size
-        words = item.text if item.times == 1 else f"{item.text}  × {item.times}"
-        color, weight = (BRIGHT, 700) if item.contest else (DIM, 500)
-        for part in (item.seat, words, item.other, item.after):
+        color, weight = (BRIGHT, 700) if item.kind == "contest" else (DIM, 500)
+        for part in item.parts:
             if isinstance(part, int):
                 shapes += agent_chip(x, middle, info, part, size)
                 x += chip_width(info, size) + 0.6 * size
-            elif part:
-                room = area.left + area.width - 2.0 * pad - x
-                shapes.append(Label(x, middle, part, size, color, weight, max_width=room))
-                x += text_width(part, size, weight) + 0.6 * size
+                continue
+            words = part if item.times == 1 else f"{part}  × {item.times}"
+            room = area.left + area.width - 2.0 * pad - x
+            shapes.append(Label(x, middle, words, size, color, weight, max_width=room))
+            x += text_width(words, size, weight) + 0.6 * size
     return shapes

@@ -20,8 +20,8 @@ def refused(time_ms: int, seat: int = 3, word: str = "out of reach") -> Annotati
 
 def test_contests_near_misses_and_refusals_are_in_the_feed_and_undisturbed_catches_are_not():
     feed = with_items((), [CONTEST, Annotation("catch", 18_900, 1, 1.0, 1.0), NEAR_MISS, refused(19_100)])
-    assert [(item.seat, item.text, item.other, item.after) for item in feed] == [
-        (3, "out of reach", None, ""),
+    assert [item.parts for item in feed] == [
+        (3, "out of reach"),
         (1, "ahead of", 0, "by 312 mm"),
         (0, "beat", 2, "by 12 mm"),
     ]
@@ -29,7 +29,7 @@ def test_contests_near_misses_and_refusals_are_in_the_feed_and_undisturbed_catch
 
 def test_a_tie_is_won_by_lot():
     tie = Annotation("catch", 0, 0, 1.0, 1.0, "+1", (Rival(1, 143_000, requested=True),), 143_000)
-    assert with_items((), [tie])[0].after == "by lot"
+    assert with_items((), [tie])[0].parts == (0, "beat", 1, "by lot")
 
 
 def test_a_refusal_that_is_repeated_is_counted_and_moves_up():
@@ -37,7 +37,7 @@ def test_a_refusal_that_is_repeated_is_counted_and_moves_up():
     for time_ms in range(0, 1000, 100):
         feed = with_items(feed, [refused(time_ms)])
     feed = with_items(feed, [refused(1000, seat=2), refused(1000, word="already caught"), refused(1100)])
-    assert [(item.seat, item.text, item.times) for item in feed] == [
+    assert [(*item.parts, item.times) for item in feed] == [
         (3, "out of reach", 11),
         (3, "already caught", 1),
         (2, "out of reach", 1),
@@ -63,8 +63,8 @@ def test_the_feed_fits_its_card(size, hunters):
 def test_a_catch_of_prey_is_in_the_feed_whoever_was_near():
     """With its number, above the contest that it was won in."""
     feed = with_items((), [Annotation("catch", 0, 1, 1.0, 1.0, prey=5), replace(CONTEST, prey=4)])
-    assert [(item.seat, item.text, item.other) for item in feed] == [
+    assert [item.parts for item in feed] == [
         (0, "caught", 4),
-        (0, "beat", 2),
+        (0, "beat", 2, "by 12 mm"),
         (1, "caught", 5),
     ]
