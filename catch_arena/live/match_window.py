@@ -66,7 +66,6 @@ class MatchWindow:
         pygame.joystick.init()
         self._pads = [pygame.joystick.Joystick(index) for index in range(pygame.joystick.get_count())]
         self._clock = pygame.time.Clock()
-        self._view_of: int | None = None
         self._renderer = self._new_renderer(size)
         self._motions: list[StepMotion] = []
         self._size, self._size_since_s = size, 0.0
@@ -125,6 +124,7 @@ class MatchWindow:
             for event in self._draw(0.0, self._keys_overlay("press any key to begin")):
                 if event.type in {pygame.KEYDOWN, pygame.JOYBUTTONDOWN} and not getattr(event, "mod", 0):
                     self._has_shown_help = True
+            self._clock.tick(_FPS)
         self._clock.tick()
 
     def _run(self) -> None:
@@ -199,13 +199,10 @@ class MatchWindow:
             self.notify("all hunters see the whole arena")
             return
         first = self._seat if self._seat is not None and self._seat < hunters else 0
-        if self._view_of is None:
-            self._view_of = first
-        else:
-            following = (self._view_of + 1) % hunters
-            self._view_of = None if following == first else following
-        self._renderer.view_of = self._view_of
-        self.notify("no hunter's view" if self._view_of is None else f"the view of {self._info.names[self._view_of]}")
+        views = [*range(first, hunters), *range(first), None]
+        view = views[(views.index(self._renderer.view_of) + 1) % len(views)]
+        self._renderer.view_of = view
+        self.notify("no hunter's view" if view is None else f"the view of {self._info.names[view]}")
 
     def _save_replay(self) -> None:
         try:
@@ -261,9 +258,7 @@ class MatchWindow:
     def _new_renderer(self, size: tuple[int, int]) -> MatchRenderer:
         width, height = (min(max(SMALLEST, part), largest) for part, largest in zip(size, LARGEST, strict=True))
         self._drawn_size = size
-        renderer = MatchRenderer(self._info, (width, height), "broadcast", self._seed)
-        renderer.view_of = self._view_of
-        return renderer
+        return MatchRenderer(self._info, (width, height), "broadcast", self._seed)
 
     def _fit(self) -> None:
         """Replace the renderer if the window keeps a new size, and enter all past motions into the new one."""
@@ -271,7 +266,8 @@ class MatchWindow:
         if size != self._size:
             self._size, self._size_since_s = size, now_s
         elif size != self._drawn_size and now_s - self._size_since_s > _SETTLED_S:
-            self._renderer = self._new_renderer(size)
+            view, self._renderer = self._renderer.view_of, self._new_renderer(size)
+            self._renderer.view_of = view
             for past in self._motions:
                 self._renderer.enter(past)
             self._clock.tick()
