@@ -9,7 +9,6 @@ import numpy as np
 
 from catch_arena.policy import Side
 from catch_arena.report.data import ReportData, SideData
-from catch_arena.tournament.statistics.head_to_head import head_to_head
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import sums_by
 from catch_arena.tournament.statistics.standings import Standing
@@ -19,10 +18,6 @@ _TICKS: Final = 5
 _BINS: Final = 40
 _LONG: Final = 10_000
 """Least number that is written in groups of three digits."""
-_ROOMY: Final = 12
-"""Greatest number of agents with large cells in the head-to-head table."""
-_WORDY: Final = 40
-"""Greatest number of agents for which each cell of the head-to-head table has a text with all figures."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,32 +141,6 @@ def distributions(data: SideData) -> dict[str, Any]:
     every = max(1, int(_round_step(bins / 8)))
     ticks = [(across(bar * width), bar * width) for bar in range(0, bins, every)]
     return {"rows": rows, "bins": bins, "width": width, "ticks": ticks}
-
-
-def encounters(data: SideData) -> dict[str, Any]:
-    """Return the table of each agent against each, the best first: shares in whole per cent, and texts if they fit."""
-    names = [line.name for line in data.standings]
-    wordy, known = len(names) <= _WORDY, head_to_head(data)
-    rows = []
-    for name in names:
-        cells: list[dict[str, Any] | None] = []
-        for opponent in names:
-            encounter = known.get((name, opponent))
-            if encounter is None or not encounter.matches:
-                cells.append(None)
-                continue
-            losses = encounter.matches - encounter.wins - encounter.ties
-            tooltip = (
-                f"{name} against {opponent}: {encounter.wins} won, {encounter.ties} tied, {losses} lost; "
-                f"{percent(encounter.share.mean)} ({interval(encounter.share, 100)}); probability of improvement "
-                f"{percent(encounter.improvement)}"
-            )
-            share = round(100 * encounter.share.mean)
-            cells.append(
-                {"share": share, "improvement": round(100 * encounter.improvement), "tooltip": tooltip if wordy else ""}
-            )
-        rows.append({"name": name, "cells": cells})
-    return {"names": names, "rows": rows, "small": len(names) > _ROOMY}
 
 
 def seat_tables(data: ReportData) -> list[dict[str, Any]]:

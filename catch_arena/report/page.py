@@ -23,6 +23,7 @@ from catch_arena.report.moments import LostContest, answer_to, best_moment, figu
 from catch_arena.report.selection import SelectedMatch, select_matches
 from catch_arena.text import without_folders
 from catch_arena.tournament.entrants import SHIPPED_PREY
+from catch_arena.tournament.statistics.head_to_head import head_to_head
 
 REPORT: Final = "report.html"
 _PAGE: Final = "catch_arena.report"
@@ -94,7 +95,7 @@ def page(
                 "ratings": charts.rating_axis(side.standings),
                 "lanes": charts.lanes(side.standings),
                 "distributions": charts.distributions(side),
-                "encounters": charts.encounters(side),
+                "encounters": head_to_head(side),
             }
             for side in data.sides
         ],
