@@ -31,8 +31,6 @@ BUDGET: Final = 1_000_000
 """Default number of bytes for the replays in the page."""
 MOST_LISTED: Final = 20_000
 """Greatest number of matches in the page's list."""
-_MOST_WAYS: Final = 100
-"""Greatest number of ways to forfeit in the page's list; further ones are only counted."""
 
 
 def write_report(
@@ -80,9 +78,8 @@ def page(
         lost: contests that agents lost, with their answers.
         watched: whether the page is served; it then requests news, and the replays that it shows.
     """
-    forfeits, size = _forfeits(data), data.parties.block_size
     moment = best_moment(explanations)
-    titles = {one.match.id: one.match.title(size) for one in data.played}
+    titles = {one.match.id: one.match.title(data.parties.block_size) for one in data.played}
     colors = [agent_color(data.tournament.config, number) for number in range(len(data.tournament.entrants))]
     return _template().render(
         data=data,
@@ -110,9 +107,7 @@ def page(
         seat_tables=charts.seat_tables(data),
         refusals=charts.refusals(data),
         move_times=charts.move_times(data),
-        forfeits=forfeits[:_MOST_WAYS],
-        forfeit_count=sum(way["times"] for way in forfeits),
-        forfeit_ways=len(forfeits),
+        forfeits=_forfeits(data),
         settings=data.tournament.config.to_flat_dict(),
         ruleset=RULESET,
         shipped_prey=SHIPPED_PREY,
