@@ -161,7 +161,7 @@ def _changes_of_lead(match: Explanation) -> list[tuple[int, Catch]]:
     """Return each contender that leads alone after another one, and the catch that made it the leader."""
     found: list[tuple[int, Catch]] = []
     for catch in match.catches:
-        leader = _sole_leader(catch.scores)
+        leader, _ = lead(catch.scores)
         if leader is not None and (not found or leader != found[-1][0]):
             found.append((leader, catch))
     return found
@@ -195,8 +195,8 @@ def _finish(match: Explanation) -> Iterable[Highlight]:
     if len(ranked) == 1 or best == 0 or difference > CLOSE_CATCHES:
         return
     event = f"{', '.join(f'{name} {score}' for name, score in ranked)} at the end"
-    lead = "One catch decides" if difference == 1 else f"{difference} catches decide"
-    reason = f"{lead} the match (R6.1)" if difference else "They share the first rank (R6.1)"
+    decides = "One catch decides" if difference == 1 else f"{difference} catches decide"
+    reason = f"{decides} the match (R6.1)" if difference else "They share the first rank (R6.1)"
     decisive_ms = max(match.catches[-1].judged_ms, match.duration_ms - 1000)
     yield _highlight("finish", (difference, best), decisive_ms, event, reason, LONG_BEFORE_MS)
 
@@ -204,7 +204,7 @@ def _finish(match: Explanation) -> Iterable[Highlight]:
 def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight]:
     """Yield a highlight if the sole winner had won a smaller share of its other matches than the favourite."""
     names, scores = zip(*match.contenders.items(), strict=True)
-    winner = _sole_leader(scores)
+    winner, _ = lead(scores)
     if winner is None or not rates.keys() >= set(match.entrants):
         return
     shares = [rates[name] for name in match.entrants]
@@ -233,7 +233,9 @@ def _highlight(
     return Highlight(kind, start_ms, decisive_ms, end_ms, SCORES[kind](*numbers), event, reason)
 
 
-def _sole_leader(scores: Sequence[int]) -> int | None:
-    """Return the contender with more catches than any other; None if several share the best score."""
-    best = max(scores)
-    return scores.index(best) if scores.count(best) == 1 else None
+def lead(scores: Sequence[int]) -> tuple[int | None, int]:
+    """Return the leader and its lead over the next, or (None, 0) for a tie. A single contender leads by its score."""
+    best = max(scores, default=0)
+    if list(scores).count(best) != 1 or best == 0:
+        return None, 0
+    return list(scores).index(best), best - max((score for score in scores if score != best), default=0)

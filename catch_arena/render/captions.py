@@ -7,13 +7,13 @@ from collections.abc import Sequence
 from typing import Final, Literal, NamedTuple
 
 from catch_arena.explanation.formatting import millimetres
+from catch_arena.explanation.highlights import lead
 from catch_arena.render import hud
 from catch_arena.render.annotations import Annotation
 from catch_arena.render.lens import LEAST_ARENA, LENS_MS, Lens, lens_shapes
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Color, Label, Shape
 from catch_arena.render.text import ELLIPSIS, text_width, wrapped
-from catch_arena.render.timeline import lead
 from catch_arena.render.viewport import Viewport
 
 Captions = Literal["plain", "clauses", "none"]

@@ -3,11 +3,11 @@
 from collections.abc import Sequence
 from typing import Final
 
+from catch_arena.explanation.highlights import lead
 from catch_arena.render import hud
 from catch_arena.render.match_info import Contender, MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, Turtle, mix
 from catch_arena.render.text import text_width
-from catch_arena.render.timeline import lead
 
 TITLE_MS: Final = 2000
 """Time for which the title is shown [ms of the video]."""

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
+from catch_arena.explanation.highlights import lead
 from catch_arena.plain import plain_setting, whole_number
 from catch_arena.render import cards, hud, scene
 from catch_arena.render.annotations import Annotation, annotations_of, visible_annotations
@@ -22,7 +23,7 @@ from catch_arena.render.raster import Canvas, Ground, Pixels
 from catch_arena.render.shapes import Color, Shape
 from catch_arena.render.standings_animation import StandingsAnimation, standings_shapes
 from catch_arena.render.team_scores import team_scores_shapes
-from catch_arena.render.timeline import Timeline, lead
+from catch_arena.render.timeline import Timeline
 from catch_arena.render.viewport import Viewport
 from catch_arena.replay.motion import Poses, StepMotion, step_motion
 from catch_arena.world import World

@@ -6,11 +6,11 @@ Pure functions from small states to shapes.
 from collections.abc import Sequence
 from typing import Final, Literal
 
+from catch_arena.explanation.highlights import lead
 from catch_arena.render.hud import BRIGHT, CARD, DIM, TRACK, Rect, font_size, legible
 from catch_arena.render.match_info import Contender, MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width, truncated
-from catch_arena.render.timeline import lead
 
 _MOST_IN_A_ROW: Final = 4
 _LEAST_BAR: Final = 4.0

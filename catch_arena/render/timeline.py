@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from itertools import pairwise
 from typing import Final
 
+from catch_arena.explanation.highlights import lead
 from catch_arena.render.hud import CARD, DIM, TRACK, Rect, font_size, legible
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Label, Path, Shape, mix
@@ -187,14 +188,6 @@ class Timeline:
         """Return the contenders that have a line, the best last, whose line is on top."""
         scores = self._scores[-1]
         return sorted(range(len(scores)), key=lambda contender: (scores[contender], -contender))[-_MOST_LINES:]
-
-
-def lead(scores: Sequence[int]) -> tuple[int | None, int]:
-    """Return the leader and its lead over the next, or (None, 0) for a tie. A single contender leads by its score."""
-    best = max(scores, default=0)
-    if list(scores).count(best) != 1 or best == 0:
-        return None, 0
-    return list(scores).index(best), best - max((score for score in scores if score != best), default=0)
 
 
 def over_average(scores: Sequence[int]) -> list[float]:
