@@ -25,9 +25,11 @@ _KINDS: Final[Mapping[str, str]] = {
     "wstring": "text",
     "float": "real number",
     "double": "real number",
+    "float64": "real number",
     "boolean": "bool",
+    "bool": "bool",
 }
-"""The kind of a field, by ROS's word for its type."""
+"""The kind of a field, by the word for its type in a definition or in Python."""
 _BY_KIND: Final = {"text", "bool", "list of messages"}
 """Kinds whose only field may have any name."""
 _NAMES: Final[Mapping[str, tuple[str, ...]]] = {"name": ("name", "turtle_name"), "success": ("success", "sucess")}
@@ -202,7 +204,7 @@ def _matched(name: str, own: Any, wanted: MessageType) -> MessageType:
     own_fields = dict(_flat(own))
     fields = []
     for field in wanted.fields:
-        kind = "list of messages" if field.is_sequence else _KINDS[_ros_word(field)]
+        kind = "list of messages" if field.is_sequence else _KINDS[str(field.type)]
         found = _field(own_fields, field.name, kind)
         if found is None and (field.name == "theta" or (field.name == "success" and not own_fields)):
             fields.append(Field("", field.type, is_sequence=False))
@@ -228,10 +230,6 @@ def _flat(own: Any) -> Iterator[tuple[str, str]]:
         if _MESSAGE.fullmatch(word):
             inner = ros_class(word.replace("/", "/msg/")).get_fields_and_field_types()
             yield from ((f"{name}.{deeper}", one) for deeper, one in inner.items())
-
-
-def _ros_word(field: Field) -> str:
-    return {"float64": "double", "bool": "boolean"}.get(str(field.type), str(field.type))
 
 
 def _field(fields: Mapping[str, str], wanted: str, kind: str) -> str | None:
