@@ -20,11 +20,8 @@ from catch_arena.text import shortened
 
 _WIDTH: Final = 80
 """Longest line of a report, unless a word is longer [characters]."""
-_MOST_DIFFERENCES: Final = 6
 _BRIEF_DIFFERENCES, _BRIEF_LINES = 2, 3
 """Limits of a brief description of a case: the number of differences, and the lines of each other paragraph."""
-
-
 _TOLERATED: Final = 0.1
 """Largest number of cases that may contradict a mistake, as a share of the cases that it explains."""
 
@@ -66,10 +63,9 @@ class Failure:
             paragraphs += [f"Part {part}: {_case_step(step)}" for part, step in enumerate(case.play, start=1)]
         if self.variation:
             paragraphs.append(f"It was played {self.variation}.")
-        limit = _BRIEF_DIFFERENCES if brief else _MOST_DIFFERENCES
-        differences = [str(difference) for difference in self.differences[:limit]]
-        if (left := len(self.differences) - limit) > 0:
-            differences.append(f"and {left} more")
+        differences = [str(difference) for difference in self.differences]
+        if brief and (left := len(differences) - _BRIEF_DIFFERENCES) > 0:
+            differences[_BRIEF_DIFFERENCES:] = [f"and {left} more"]
         why = f"Why it matters: {case.why}"
         if case.options:
             why += f" The rulebook chose «{case.options[0]}», not {_either(case.options[1:])}."
