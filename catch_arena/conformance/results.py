@@ -68,7 +68,8 @@ class Failure:
             differences[_BRIEF_DIFFERENCES:] = [f"and {left} more"]
         why = f"Why it matters: {case.why}"
         if case.options:
-            why += f" The rulebook chose «{case.options[0]}», not {_either(case.options[1:])}."
+            chosen, *others = (f"«{option}»" for option in case.options)
+            why += f" The rulebook chose {chosen}, not {' or '.join(others)}."
         lines = [wrapped(f"FAILED {case.id} ({', '.join(case.clauses)}): {case.situation}")]
         lines += [wrapped(text, "  ", _BRIEF_LINES if brief else None) for text in paragraphs]
         lines += [wrapped(text, "  ") for text in (*differences, why)]
@@ -238,7 +239,3 @@ def _case_step(step: CaseStep) -> str:
 
 def _requests(expected: Sequence[ExpectedRuling]) -> str:
     return "; ".join(f"hunter {ruling.hunter} asks for {shortened(ruling.target)}" for ruling in expected) or "none"
-
-
-def _either(options: Sequence[str]) -> str:
-    return " or ".join(f"«{option}»" for option in options)

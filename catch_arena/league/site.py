@@ -140,6 +140,7 @@ def _status(league: League, entrant: int | None) -> str:
 def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapping[str, Any]) -> str:
     """Return the page of a person."""
     moments = _moments(league, line.parts)
+    last_ratings: dict[int | None, RatingThen] = {one.entrant: one for one in league.ratings}
     element, script = (element_script() if moments else ""), page_file("catch_arena.player", "moment.js")
     failed = [one for one in line.versions if one.entrant is None and one.digest == line.entry.digest]
     return _template("person.html").render(
@@ -147,7 +148,7 @@ def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapp
         line=line,
         persons=sum(other.entry.kind == "person" and other.now is not None for other in lines),
         failed=failed[0] if failed else None,
-        versions=[(one, _last_rating(league.ratings, one)) for one in reversed(line.versions)],
+        versions=[(one, last_ratings.get(one.entrant)) for one in reversed(line.versions)],
         chart=_chart(league.ratings, [line]),
         meetings=_meetings(line.parts, league, {one.entrant: one for one in lines}),
         matches=line.parts[: -_MATCHES - 1 : -1],
@@ -197,10 +198,6 @@ def _log(league: League, entrant: int) -> str:
         return without_source(last_lines(log, _LOG_LINES))
     except OSError:  # it printed nothing, or a user removed the file
         return ""
-
-
-def _last_rating(ratings: Sequence[RatingThen], version: Version) -> RatingThen | None:
-    return next((one for one in reversed(ratings) if one.entrant == version.entrant), None)
 
 
 def _axis(ratings: Iterable[RatingThen]) -> Axis:

@@ -102,13 +102,9 @@ def _result(node: NodeUnderTest, case: ArbiterCase | ArenaCase) -> Result:
     failure: Failure | None = None
     for settle_s in _SETTLE_S:
         failure = _play(node, case, settle_s)
-        if failure is None or _is_silence(failure):
+        if failure is None or isinstance(failure.differences[0], NoRuling):
             break
     return Result(case, failure, time.perf_counter() - start)
-
-
-def _is_silence(failure: Failure | None) -> bool:
-    return failure is not None and any(isinstance(one, NoRuling) for one in failure.differences)
 
 
 def _play(node: NodeUnderTest, case: ArbiterCase, settle_s: float) -> Failure | None:
