@@ -128,16 +128,7 @@ class _MatchWriter:
 
 @contextmanager
 def _whole_bag(folder: Path, storage: Storage, *, force: bool) -> Iterator[Writer]:
-    """Open a bag under a temporary name, which is renamed when everything has been written.
-
-    Args:
-        folder: the bag's folder.
-        storage: the kind of its file.
-        force: whether it may replace a bag that exists.
-
-    Raises:
-        OutputError: if it cannot be written, and before the first message if the folder is not free.
-    """
+    """Open a bag under a temporary name, which is renamed when everything has been written."""
     target = Path(os.path.realpath(folder))
     _require_free(folder, target, force=force)
     prepare_folder(target.parent)

@@ -255,12 +255,10 @@ class ArenaNode:
         if self._remapping_explained:  # `missing` queries the bus, which is too slow for each Twist of a flood
             return
         self._remapping_explained = True
-        free = self.missing or self.seats
-        first, *further = (f"{seat.hunter} ({seat.player})" for seat in free)
-        also = f"; in the same way for {', '.join(further)}" if further else ""
+        free = (self.missing or self.seats)[0]
         self._log(
             f"warning: a node drives {graph_names.TURTLE}, but no hunter has that name if several seats are for "
-            f"nodes: start it with {remapping_to(free[0].hunter)} to drive {first}{also}"
+            f"nodes: start it with {remapping_to(free.hunter)} to drive {free.hunter} ({free.player})"
         )
 
     def _publishers(self, seat: RosSeat) -> int | None:
