@@ -52,11 +52,10 @@ class Neighbours:
 
     def __init__(self, hunters: Sequence[str], driven: Collection[str], interfaces: Interfaces, log: Log) -> None:
         self._driven, self._interfaces, self._log_once = sorted(driven), interfaces, OnceLog(log)
-        self._poses = {pose_of(one) for one in (*hunters, TURTLE)}
         self._cmd_vels = {cmd_vel_of(one) for one in (*hunters, TURTLE)}
+        self._published = {pose_of(one) for one in (*hunters, TURTLE)} | {ALIVE_TURTLES}
         services = {catch_turtle_of(one) for one in driven} | {CATCH_TURTLE, SPAWN}
-        self._own = self._poses | self._cmd_vels | services | {ALIVE_TURTLES}
-        self._lists = self._poses | {ALIVE_TURTLES}
+        self._own = self._published | self._cmd_vels | services
         self._proposed = self._driven[0] if len(self._driven) > 1 else TURTLE
         """The hunter that a node with other names is to drive."""
         self.seen: tuple[str, ...] = ()
@@ -78,13 +77,12 @@ class Neighbours:
         if len(self._driven) > 1:
             self._proposed = next(iter(free), self._driven[0])
         self.seen = tuple(sorted({one.node for one in graph}))
-        published = {one.name for one in graph if one.kind == "publisher"} | self._own
-        served = {one.name for one in graph if one.kind == "service"} | self._own
+        provided = {one.name for one in graph if one.kind in {"publisher", "service"}} | self._own
         for node in self.seen:
             own = [one for one in graph if one.node == node]
             for line in (*self._referees(node, own), *self._other_types(node, own)):
                 self._log_once.warn(line, line.partition(":")[0])  # the proposed hunter changes
-            remapped = dict(self._other_names(own, published, served))
+            remapped = dict(self._other_names(own, provided))
             if len(self._driven) == 1 and set(remapped.values()) <= {ALIVE_TURTLES, CATCH_TURTLE}:
                 self._served |= remapped
             elif remapped:
@@ -97,7 +95,7 @@ class Neighbours:
         return {name: usual for name, usual in self._served.items() if name not in before}
 
     def _referees(self, node: str, own: Sequence[Endpoint]) -> Iterator[str]:
-        uses = [f"publishes {end.name}" for end in own if end.kind == "publisher" and end.name in self._lists]
+        uses = [f"publishes {end.name}" for end in own if end.kind == "publisher" and end.name in self._published]
         uses += [f"serves {end.name}" for end in own if end.kind == "service" and end.name in {CATCH_TURTLE, SPAWN}]
         if uses:
             guess = "turtlesim or a second arena" if any(SPAWN in use or POSE in use for use in uses) else "a spawner"
@@ -122,9 +120,7 @@ class Neighbours:
                     f"wrong numbers. Source the same {package} in both terminals"
                 )
 
-    def _other_names(
-        self, own: Sequence[Endpoint], published: Collection[str], served: Collection[str]
-    ) -> Iterator[tuple[str, str]]:
+    def _other_names(self, own: Sequence[Endpoint], provided: Collection[str]) -> Iterator[tuple[str, str]]:
         """Yield the names that a node uses in the place of the arena's, each with the arena's."""
         hunter = self._proposed
         catch = catch_turtle_of(hunter) if len(self._driven) > 1 else CATCH_TURTLE
@@ -132,12 +128,12 @@ class Neighbours:
             if one.kind == "publisher" and one.type == TWIST.name:
                 if one.name.endswith(_CMD_VEL) and one.name not in self._cmd_vels:
                     yield one.name, cmd_vel_of(hunter)
-            elif one.kind == "subscription" and one.name not in published:
+            elif one.kind == "subscription" and one.name not in provided:
                 if one.type == self._interfaces.turtle_array.name:
                     yield one.name, ALIVE_TURTLES
                 elif one.type == self._interfaces.pose.name:
                     yield one.name, pose_of(hunter)
-            elif one.kind == "client" and one.name not in served and one.type == self._interfaces.catch_turtle.name:
+            elif one.kind == "client" and one.name not in provided and one.type == self._interfaces.catch_turtle.name:
                 yield one.name, catch
 
 
