@@ -8,6 +8,7 @@ from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessag
 from catch_arena.ros.nodes.agents import AgentSeats
 from catch_arena.ros.nodes.arena_node import ArenaNode
 from catch_arena.service import ArenaService
+from catch_arena.tournament.players import Players
 
 TYPES = Interfaces()
 
@@ -30,7 +31,7 @@ class Match:
             self.service.record(names)
         self.hub, self.log_lines = Hub(), []
         self.a, self.b, self.c = (self.hub.bus(peer) for peer in "abc")
-        self.agents = AgentSeats(self.service, players, self.log_lines.append) if players else None
+        self.agents = AgentSeats(self.service, players or Players({}), self.log_lines.append)
         driven = [seat for seat in range(hunters) if seat not in controls]
         self.node = ArenaNode(
             self.hub.bus("arena"),

@@ -59,7 +59,10 @@ class AgentSeats:
             self._forfeit(seat, f"{fault.code}: {fault.reason}")
 
     def act(self, now_ms: int) -> list[tuple[str, CatchTurtleRequest]]:
-        """Take the actions that have come, ask for the next ones, and return the requests of this step."""
+        """Take the actions that have come, ask for the next ones, and return the requests; none after the end."""
+        if self._service.over:
+            self.active_targets.clear()
+            return []
         requests: list[tuple[str, CatchTurtleRequest]] = []
         if self._moves is not None and self._moves.done():
             moves, self._moves = self._moves.result(), None

@@ -55,7 +55,7 @@ class ArenaNode:
         service: the arena before its reset; its control period is TICK_MS, the tick of turtlesim (R1.2).
         driven: the seats that nodes drive.
         names: the players' names, by seat.
-        agents: the agents in the other seats, if there are any.
+        agents: the agents in the other seats.
         interfaces: the packages of the types.
         clock: whether the arena's time is published on /clock.
         log: takes one line for each event that a user should see.
@@ -67,7 +67,7 @@ class ArenaNode:
         service: ArenaService,
         driven: Collection[int],
         names: Sequence[str],
-        agents: AgentSeats | None,
+        agents: AgentSeats,
         interfaces: Interfaces,
         *,
         clock: bool,
@@ -121,8 +121,7 @@ class ArenaNode:
         for seat in self.seats:
             seat.stop()
         self._service.reset(seed)
-        if self._agents is not None:
-            self._agents.begin(self._service.seed)
+        self._agents.begin(self._service.seed)
         self._standing = (0,) * len(self._names), False
 
     @property
@@ -143,14 +142,10 @@ class ArenaNode:
             seat.hunter: seat.command(before.time_ms, before.time_ms + TICK_MS, targets=bool(before.targets))
             for seat in self.seats
         }
-        active_targets: dict[str, str] = {}
         pending, self._pending = self._pending, []
         requests = [(seat.hunter, CatchTurtleRequest(request.message.name)) for seat, request in pending]
-        if self._agents is not None and not self._service.over:
-            requests += self._agents.act(before.time_ms)
-            commands |= self._agents.cmd_vel
-            active_targets = self._agents.active_targets
-        rulings = self._service.step(commands, requests, active_targets)
+        requests += self._agents.act(before.time_ms)
+        rulings = self._service.step(commands | self._agents.cmd_vel, requests, self._agents.active_targets)
         for (seat, request), ruling in zip(pending, rulings, strict=False):
             request.answer(CatchTurtleResponse(ruling.success))
             seat.note(ruling, {name for hunter, (name,) in requests if hunter == seat.hunter})
@@ -166,7 +161,7 @@ class ArenaNode:
         scores = tuple(hunter.score for hunter in self._service.world.hunters)
         config = self._service.config
         teams = config.team_seats
-        failed = self._agents.forfeits if self._agents is not None else {}
+        failed = self._agents.forfeits
         lasted = [max(failed[seat] for seat in team) if failed.keys() >= set(team) else None for team in teams]
         ranks = ranks_of([sum(scores[seat] for seat in team) for team in teams], lasted)
         return tuple(ranks[team] for team in config.team_by_seat), scores

@@ -93,11 +93,9 @@ def serve_match(
     if record is not None:
         service.record(names, title)
     with ExitStack() as stack:
-        players = None
-        if agents:
-            sandbox = stack.enter_context(sandbox_for(quotas))
-            players = AgentSeats(service, stack.enter_context(Players(agents, sandbox)), log)
-            stack.callback(players.close)
+        sandbox = stack.enter_context(sandbox_for(quotas if agents else None))
+        players = AgentSeats(service, stack.enter_context(Players(agents, sandbox)), log)
+        stack.callback(players.close)
         driven = [seat for seat in range(config.hunters) if seat not in agents]
         joined = stack.enter_context(bus)
         interfaces = joined.interfaces(interfaces)
