@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.classroom.grading import Graded
+from catch_arena.classroom.similarity import Pair
 from catch_arena.classroom.submissions import Submission
 from catch_arena.files import write_whole
 from catch_arena.text import spreadsheet_cell, without_folders
@@ -23,7 +24,7 @@ def write_marks(
     graded: Mapping[str, Graded],
     submissions: Sequence[Submission],
     tests: Sequence[str],
-    look_at: Mapping[str, str],
+    pairs: Sequence[Pair],
     deadline: datetime | None,
 ) -> None:
     """Write marks.csv and marks_excel.csv.
@@ -33,7 +34,7 @@ def write_marks(
         graded: grades by name.
         submissions: the submissions, in the order of the lines.
         tests: names of the tests.
-        look_at: for some names, other submissions to look at, in words.
+        pairs: similar submissions, to look at.
         deadline: last moment at which a submission is in time; None for no deadline.
 
     Raises:
@@ -46,6 +47,8 @@ def write_marks(
         one = graded[submission.name]
         points = [f"{grade.points:g}" for grade in one.grades] or [""] * len(tests)
         failures = dict.fromkeys(grade.failures[0] for grade in one.grades if grade.failures)
+        alike = (pair for pair in pairs if one.name in {pair.first, pair.second})
+        look_at = (f"{pair.second if pair.first == one.name else pair.first}: {pair}" for pair in alike)
         reason = f"not graded: {one.fault}" if one.fault else without_folders("; ".join(failures))
         rows.append(
             [
@@ -56,7 +59,7 @@ def write_marks(
                 reason,
                 f"{submission.changed:%Y-%m-%d %H:%M:%S}",
                 hours_late(submission.changed, deadline),
-                look_at.get(one.name, ""),
+                "; ".join(look_at),
                 one.digest,
             ]
         )

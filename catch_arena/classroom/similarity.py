@@ -6,7 +6,7 @@ as the code of the exercise, is left out, and what `new-agent` writes.
 
 import ast
 import warnings
-from collections import Counter, defaultdict
+from collections import Counter
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from typing import Final, NamedTuple
@@ -61,15 +61,6 @@ def similar_pairs(submissions: Sequence[Submission]) -> list[Pair]:
         if equal or share >= _ALIKE:
             pairs.append(Pair(first, second, 1.0 if equal else share, equal))
     return sorted(pairs, key=lambda pair: (-pair.equal, -pair.share))
-
-
-def companions(pairs: Sequence[Pair]) -> dict[str, str]:
-    """Return for each submission in a pair the others to look at, in words."""
-    found: dict[str, list[str]] = defaultdict(list)
-    for pair in pairs:
-        found[pair.first].append(f"{pair.second}: {pair}")
-        found[pair.second].append(f"{pair.first}: {pair}")
-    return {name: "; ".join(words) for name, words in found.items()}
 
 
 def _shape(submission: Submission) -> Shape:

@@ -7,7 +7,7 @@ from pathlib import Path
 from catch_arena.classroom.grading import KEPT, Graded, grade_class, grade_submission, spec_key
 from catch_arena.classroom.marks import MARKS, write_marks
 from catch_arena.classroom.nodes import grade_node_of
-from catch_arena.classroom.similarity import companions, similar_pairs
+from catch_arena.classroom.similarity import similar_pairs
 from catch_arena.classroom.student_page import student_page
 from catch_arena.classroom.submissions import Submission, find_submissions
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
@@ -73,7 +73,7 @@ def grade_folder(
     pairs = similar_pairs(submissions)
     for pair in pairs:
         echo(f"look at these two: {pair.first} and {pair.second}: {pair}")
-    write_marks(out, graded, submissions, [test.name for test in exercise.tests], companions(pairs), deadline)
+    write_marks(out, graded, submissions, [test.name for test in exercise.tests], pairs, deadline)
     echo(f"marks: {out / MARKS}")
     echo(f"pages: {pages}")
     return not any(one.fault for one in graded.values())
