@@ -6,17 +6,7 @@
 - sentences: parts of the words, with formatting for lengths and times. seats: labels of agents, and selection by name.
 """
 
-from catch_arena.explanation.facts import Capture as Capture
-from catch_arena.explanation.facts import Catch as Catch
-from catch_arena.explanation.facts import Claim as Claim
 from catch_arena.explanation.facts import Contest as Contest
-from catch_arena.explanation.facts import HunterAction as HunterAction
-from catch_arena.explanation.facts import HunterSummary as HunterSummary
-from catch_arena.explanation.facts import PreyAction as PreyAction
-from catch_arena.explanation.facts import PreySummary as PreySummary
-from catch_arena.explanation.facts import Refusals as Refusals
-from catch_arena.explanation.facts import TeamSummary as TeamSummary
-from catch_arena.explanation.facts import Unseen as Unseen
 from catch_arena.explanation.match_summary import Explanation as Explanation
 from catch_arena.explanation.match_summary import explain as explain
 from catch_arena.explanation.step_explanation import StepExplanation as StepExplanation
