@@ -1,9 +1,10 @@
 """`catch-arena tournament` and `compare`, and `report` and `export`, which show and write a tournament's matches."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -37,7 +38,6 @@ from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_
 from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
 
 if TYPE_CHECKING:  # heavy
-    from catch_arena.tournament.plans.schedule import Plan
     from catch_arena.tournament.statistics.intervals import Estimate
     from catch_arena.tournament.statistics.standings import Standing
 
@@ -111,7 +111,7 @@ def tournament(
     from catch_arena.tournament.execution.executors import Worker
     from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
     from catch_arena.tournament.export import write_standings
-    from catch_arena.tournament.plans.schedule import UntilSeparated, require_enough
+    from catch_arena.tournament.plans.schedule import BUDGET, MOST_IN_A_ROUND, UntilSeparated, plan_of, require_enough
     from catch_arena.tournament.statistics.standings import standings_of_sides
 
     if until_separated is not None and rounds is not None:
@@ -123,12 +123,18 @@ def tournament(
     require_enough(len(entrants), config, arena.scenario, tournament=True)
     begun = Store.tournament_in(out) if resume else None
     secret = given or (begun.secret if begun else Secret.of(None))
-    plan = _plan(form, entrants, parties, rounds, until_separated, max_matches, secret)
-    size = f"at most {plan.size}" if isinstance(plan, UntilSeparated) else f"{plan.size}"
+    most = max_matches or (MOST_IN_A_ROUND if until_separated is None else BUDGET)
+    plan_with = partial(plan_of, form, len(entrants), parties, seed=secret, most=most)
+    in_a_round = plan_with(1).size
+    if in_a_round > most and (max_matches is not None or until_separated is not None):
+        raise ConfigError(f"--max-matches must be at least {in_a_round}, the matches of one round, got {most}")
+    if until_separated is None:
+        plan, bound = plan_with(rounds), ""
+    else:
+        plan, bound = UntilSeparated(plan_with(most // in_a_round), entrants, parties, until_separated), "at most "
     worker = Worker(config, entrants, record, quotas)
     about = Tournament(config, entrants, plan.parameters, secret.text, terms_of(quotas, max_forfeits, recorded=record))
-    new = not (out / STORE).exists()
-    if new:
+    if not (out / STORE).exists():
         if not force and out.is_dir() and any(out.glob("[!.]*")):
             raise OutputError(f"{out}: has other files; use --force to write into it, or choose another folder")
         cost = measure_cost(worker, plan)
@@ -136,7 +142,7 @@ def tournament(
     prepare_folder(out / REPLAYS if record else out)
 
     with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
-        echo(f"{arena.scenario}: {len(entrants)} agents, {size} matches, {len(parties)} in each")
+        echo(f"{arena.scenario}: {len(entrants)} agents, {bound}{plan.size} matches, {len(parties)} in each")
         print_missing_prey(entrants, config)
         with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
             with cores.of(worker) as ready, progress_bar("playing", plan.size) as show:
@@ -152,35 +158,6 @@ def tournament(
         print_seed(secret)
         echo(f"results: {out}")
         echo(f"report: {write_report(out)}")
-
-
-def _plan(
-    form: str,
-    entrants: Sequence[Entrant],
-    parties: Parties,
-    rounds: int | None,
-    until_separated: float | None,
-    max_matches: int | None,
-    secret: Secret,
-) -> "Plan":
-    """Return the plan that the options describe.
-
-    Raises:
-        ConfigError: if even a sample has more matches in a round than --max-matches allows.
-    """
-    from catch_arena.tournament.plans.schedule import BUDGET, MOST_IN_A_ROUND, UntilSeparated, plan_of
-
-    most = max_matches or (MOST_IN_A_ROUND if until_separated is None else BUDGET)
-
-    def plan_with(number: int | None) -> "Plan":
-        return plan_of(form, len(entrants), parties, number, secret, most)
-
-    in_a_round = plan_with(1).size
-    if in_a_round > most and (max_matches is not None or until_separated is not None):
-        raise ConfigError(f"--max-matches must be at least {in_a_round}, the matches of one round, got {most}")
-    if until_separated is None:
-        return plan_with(rounds)
-    return UntilSeparated(plan_with(most // in_a_round), entrants, parties, until_separated)
 
 
 def _print_standings(tables: "dict[Side, list[Standing]]", entrants: tuple[Entrant, ...]) -> None:
@@ -246,7 +223,7 @@ def compare(
     test = Sprt(share_of_elo(elo0), share_of_elo(elo1))
     entrants = enter_agents([*agents, *(against or ())], quotas)
     print_missing_prey(entrants, config)
-    first, second, *field = (entrant.name for entrant in entrants)
+    first, second, *_ = (entrant.name for entrant in entrants)
     low, high = test.bounds
     with progress_bar("playing") as show:
 
@@ -265,9 +242,7 @@ def compare(
         )
     for name, codes in found.forfeits.items():
         echo(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
-    order = "in turn" if Parties.of(config).group == len(entrants) - 1 else "together"
-    field_text = f"{order} against {', '.join(field)}" if field else "against each other"
-    echo(f"{found.matches} matches in {found.blocks} blocks, {field_text}")
+    echo(f"{found.matches} matches in {found.blocks} blocks")
     echo(f"share of {first}: {_describe(found.share)}")
     echo(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
