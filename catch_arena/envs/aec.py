@@ -75,12 +75,13 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         """
         self._require_turn("step")
         self._has_updated = True  # a loop over the turns may go on after an illegal action too
-        agent = self.agent_selection
-        if not self.terminations[agent] and not self.truncations[agent]:
+        aec = self.env
+        agent = aec.agent_selection
+        if not aec.terminations[agent] and not aec.truncations[agent]:
             self._parallel.check_action(agent, action)  # else the last turn would raise, for another agent
         elif action is not None:
             raise ActionError(f"{agent}: an action must be None after the agent's end, got {shortened(action)}")
-        self.env.step(action)
+        aec.step(action)
 
     def last(self, observe: bool = True) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Return observation, reward, termination, truncation and info of the agent whose turn it is.
@@ -98,8 +99,11 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         Raises:
             ActionError: for an unknown agent.
         """
-        self._parallel.action_space(agent)  # raises for an unknown agent
-        return super().observe(agent)
+        try:
+            return super().observe(agent)
+        except (KeyError, TypeError):
+            self._parallel.action_space(agent)  # raises for an unknown agent
+            raise
 
     def save(self) -> SavedTurn:
         """R10.2: return the state of the episode, also between two turns. `restore` takes it any number of times, in
