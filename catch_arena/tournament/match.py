@@ -1,7 +1,6 @@
 """Matches of a plan, the answers of their players, and their results."""
 
 import math
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any, Final, Literal
@@ -12,8 +11,6 @@ MAX_FORFEITS: Final = 10
 """Usual number of forfeits in a row that exclude an agent."""
 MOST_TIMEOUTS: Final = 2
 """Number of timeouts of an agent after which grade and check-agent stop: each costs seconds."""
-_ID: Final = re.compile(r"r(\d+)-g(\d+)-s(\d+)")
-"""Pattern of the ids of plans: round, block of the round, match of the block."""
 
 
 @dataclass(frozen=True, slots=True, order=True)
@@ -37,8 +34,8 @@ class Match:
         Args:
             block_size: number of matches in a block (`Parties.block_size`), since ids count the blocks of a round.
         """
-        ((turn, group, place),) = _ID.findall(self.id)
-        return f"round {int(turn)}, match {(int(group) - 1) * block_size + int(place) + 1}"
+        turn, group, place = (int(part[1:]) for part in self.id.split("-")[:3])  # such as r00001-g000002-s03
+        return f"round {turn}, match {(group - 1) * block_size + place + 1}"
 
 
 Block = tuple[Match, ...]
