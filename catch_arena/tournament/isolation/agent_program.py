@@ -177,7 +177,9 @@ def _confine(quotas: Quotas, *, namespaced: bool) -> None:
     _prctl(_SET_CHILD_SUBREAPER, 1)
     if LINUX:  # this limit does not apply to root
         with suppress(OSError, IndexError, ValueError):  # without /proc the number of tasks is unknown
-            _limit(resource.RLIMIT_NPROC, quotas.processes if namespaced else quotas.processes + _tasks())
+            # all of this machine, an upper bound for those of the user
+            tasks = 0 if namespaced else int(Path("/proc/loadavg").read_text().split()[3].partition("/")[2])
+            _limit(resource.RLIMIT_NPROC, quotas.processes + tasks)
     _limit(resource.RLIMIT_DATA, quotas.memory_mib * _MIB)
     _limit(resource.RLIMIT_AS, _ADDRESSES * quotas.memory_mib * _MIB)
     _limit(resource.RLIMIT_NOFILE, quotas.open_files)
@@ -194,15 +196,6 @@ def _limit(kind: int, amount: int, spare: int = 0) -> None:
     most = amount + spare if hard == resource.RLIM_INFINITY else min(amount + spare, hard)
     with suppress(ValueError, OSError):  # macOS knows some limits by name only
         resource.setrlimit(kind, (min(amount, most), most))
-
-
-def _tasks() -> int:
-    """Return the number of processes and threads on this machine, an upper bound for those of the user.
-
-    Raises:
-        OSError: if the machine shows no /proc.
-    """
-    return int(Path("/proc/loadavg").read_text().split()[3].partition("/")[2])
 
 
 def _clean_up_and_exit(folder: Path | None, code: int = 0) -> NoReturn:
