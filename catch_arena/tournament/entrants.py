@@ -101,9 +101,7 @@ def enter(specs: Sequence[str], inspect: Callable[[AgentSpec], Entrant] = inspec
     inspect = cache(inspect)
     agents = [resolve(spec) for spec in specs]
     for agent, name in zip(agents, unique_names(agents), strict=True):
-        if any(
-            "\ud800" <= character <= "\udfff" for character in agent.spec
-        ):  # Python's form of bytes that are no text
+        if any("\ud800" <= letter <= "\udfff" for letter in agent.spec):  # Python's form of bytes that are no text
             raise AgentError(
                 f"{agent.spec!a}: must be text in this system's encoding, {sys.getfilesystemencoding()}: "
                 "give the file or its folder another name, or try LANG=C.UTF-8"
