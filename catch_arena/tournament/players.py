@@ -103,20 +103,12 @@ class Players(AbstractContextManager["Players"]):
             except (Exception, SystemExit) as error:  # noqa: BLE001 - a stranger's code may raise anything
                 self._absent[seat] = Fault("FORFEIT_INIT", f"reset raised {reason(error)}")
         greeted = self._greet()
-        faults: dict[int, Fault] = {}
-        for seat, (fields, _, fault) in greeted.items():
-            if fault is not None:
-                faults[seat] = fault
-            elif self._isolated[seat].side == "prey":  # prey cannot choose its control (R12.2)
-                continue
-            elif (control := fields.get("control", "target")) != self.controls[seat]:
-                why = f"says that its control is {shortened(control)}, and said {self.controls[seat]!r} before"
-                faults[seat] = Fault("FORFEIT_INIT", why)
-        lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in greeted if seat not in faults}
-        left_s = {seat: max(0.0, self._quotas.init_s - greeted[seat][1]) for seat in lines}
-        for seat, (_, _, fault) in self._exchange(lines, left_s, "reset").items():
-            if fault is not None:
-                faults[seat] = fault
+        left_s = {
+            seat: max(0.0, self._quotas.init_s - took_s) for seat, (_, took_s, fault) in greeted.items() if not fault
+        }
+        lines = {seat: protocol.reset_line(seeds[seat], limits[seat]) for seat in left_s}
+        replies = greeted | self._exchange(lines, left_s, "reset")
+        faults = {seat: fault for seat, (_, _, fault) in replies.items() if fault is not None}
         return self._absent | {seat: replace(fault, code="FORFEIT_INIT") for seat, fault in faults.items()}
 
     def act(self, observations: Mapping[int, Observation]) -> dict[int, Move]:

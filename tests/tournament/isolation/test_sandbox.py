@@ -3,7 +3,7 @@
 import os
 import signal
 import time
-from dataclasses import fields
+from dataclasses import fields, replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -68,6 +68,17 @@ def test_an_entrant_is_the_same_however_it_was_looked_at(sandbox, tmp_path):
     path.write_text("from catch_arena.agents.patrol import Agent\nfrom catch_arena.agents.flee import Prey\n")
     words = ["patrol", "catch_arena.agents.first:Agent", str(path)]
     assert enter(words, inspector(sandbox)) == enter(words)
+
+
+def test_an_agent_plays_with_the_control_of_its_check_whatever_it_says_later(sandbox, tmp_path):
+    drives = write_agent(tmp_path / "drives.py", "return 1.0, 0.5")
+    results = []
+    for within in (sandbox, None):
+        first, *others = enter([drives, "idle"], inspector(within))
+        assert first.control == "target"
+        results.append(played(SHORT, [replace(first, control="velocity"), *others], within))
+    assert results[0].forfeit_codes == (None, None)
+    assert results[0] == results[1]
 
 
 DRIVES = """while read -r line; do
