@@ -64,7 +64,7 @@ def fill_requests(
             from REQUEST_NUMBER to REQUEST_TEAM are written.
         sections: see `memory.Sections`; its limits and teams are read.
     """
-    seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
+    seed = seed_of(chunk, lane)
     step = chunk[rows.STEP + lane]
     for i in range(len(requests)):
         seat = requests[i, REQUEST_SEAT]
@@ -95,7 +95,7 @@ def judge_requests(chunk: Rows, s: Settings, lane: int, requests: RequestTable) 
     Args:
         requests: the request table of the lane; its verdicts and winners are written.
     """
-    seed, step = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane]), int(chunk[rows.STEP + lane])
+    seed, step = seed_of(chunk, lane), int(chunk[rows.STEP + lane])
     over = chunk[rows.ENDED + lane] != rows.RUNNING
     service_up = not kill_service_down(seed, step, s.kill_down_rate)
     judge(requests, s.policy, seed, step, over, service_up, s.partners_needed)

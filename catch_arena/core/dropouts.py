@@ -23,7 +23,7 @@ def withdraw(me: Rows, lane: int) -> None:
 def drop_out(chunk: Rows, s: Settings, lanes: int) -> None:
     """R1.7: withdraw the hunters that drop out in this step, before everything else."""
     for lane in range(lanes):
-        seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
+        seed = seed_of(chunk, lane)
         for seat in range(s.hunters):
             me = seat_of(chunk, seat)
             if me[rows.WITHDRAWN + lane] == 0.0 and drops_out(seed, chunk[rows.STEP + lane], seat, s.dropout_rate):

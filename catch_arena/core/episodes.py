@@ -13,7 +13,7 @@ from catch_arena.core.prey import begin_prey, write_prey_records
 from catch_arena.core.random import START, draw, fraction, next_seed, seed_of, stream
 from catch_arena.core.rewards import Parts, Rewards
 from catch_arena.core.spawner import spawn_next
-from catch_arena.core.state import Settings, seat_of, targets_of
+from catch_arena.core.state import Settings, most_in, seat_of, targets_of
 from catch_arena.core.vectors import LANES, Width, group, played_lanes, select
 
 
@@ -92,10 +92,7 @@ def end_test(chunk: Rows, s: Settings, width: Width) -> None:
 @phase
 def any_ended(chunk: Rows, lanes: int) -> bool:
     """Return whether an episode is over in some lane."""
-    most = rows.RUNNING
-    for lane in range(lanes):
-        most = chunk[rows.ENDED + lane] if chunk[rows.ENDED + lane] > most else most
-    return most != rows.RUNNING
+    return most_in(chunk[rows.ENDED :], lanes) != rows.RUNNING
 
 
 @phase
@@ -159,5 +156,4 @@ def begin_again(chunk: Rows, s: Settings, lanes: int, first_arena: int, sections
         write_record(chunk, s, lane, sections.teams, sections.records[arena])
         if s.prey > 0:
             write_prey_records(chunk, s, lane, sections.records[arena])
-        seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
-        begin(chunk, s, lane, sections.start_poses, next_seed(seed))
+        begin(chunk, s, lane, sections.start_poses, next_seed(seed_of(chunk, lane)))

@@ -170,7 +170,7 @@ def blur_seen(
     columns = target_width(s) if of_targets else rival_width(s)
     for lane in range(first, first + len(width)):
         me = body_tile(seat_of(chunk, seat), 0.0, lane)
-        seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
+        seed = seed_of(chunk, lane)
         key = blur_key(seed, chunk[rows.STEP + lane], seat, kind)
         at = place.at + (lane - first) * place.stride
         for rank in range(s.targets_seen if of_targets else s.hunters_seen):

@@ -5,7 +5,7 @@ from typing import Final
 from catch_arena.core import rows
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import clamp, sincos, wrap
-from catch_arena.core.state import Settings, body_of, most_alive, seat_of
+from catch_arena.core.state import Settings, body_of, most_alive, most_in, seat_of
 from catch_arena.core.vectors import LANES, Width, floor, group, played_lanes, select
 
 TICK_MS: Final = 16
@@ -88,15 +88,6 @@ def drop_stale_commands(chunk: Rows, s: Settings, lanes: int, due: Rows, fresh: 
 
 
 @phase
-def most_in(ticks: Rows, lanes: int) -> int:
-    """Return the greatest number of ticks of a lane."""
-    most = 0.0
-    for lane in range(lanes):
-        most = max(most, ticks[lane])
-    return int(most)
-
-
-@phase
 def move(chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, counts: Rows) -> None:
     """R1.3: play all ticks in (t, t + period], one after the other.
 
@@ -114,12 +105,12 @@ def move(chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, coun
         until_stale = ticks_until(chunk[rows.TIME + lane] + WATCHDOG_MS) - before
         due[lane] = ticks
         fresh[lane] = select(until_stale < ticks, until_stale, ticks)
-    most = most_in(fresh, lanes)
+    most = int(most_in(fresh, lanes))
     for seat in range(s.hunters):
         move_body(seat_of(chunk, seat), width, s.side_m, most, fresh)
     if s.period_ms > WATCHDOG_MS:
         drop_stale_commands(chunk, s, lanes, due, fresh)
     if s.targets_move:
-        most = most_in(due, lanes)
+        most = int(most_in(due, lanes))
         for slot in range(most_alive(chunk, lanes)):
             move_body(body_of(targets, s, slot), width, s.side_m, most, due)

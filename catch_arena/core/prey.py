@@ -109,9 +109,7 @@ def return_prey(chunk: Rows, s: Settings, lanes: int, targets: Rows) -> None:
             ):
                 me[rows.PREY_SLOT + lane] = chunk[rows.ALIVE + lane]
                 me[rows.CAUGHT_AT + lane] = rows.NOT_CAUGHT
-                spawn_next(
-                    chunk, s, lane, targets, seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane]), now
-                )
+                spawn_next(chunk, s, lane, targets, seed_of(chunk, lane), now)
 
 
 @rule

@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.jit import entry, rule
+from catch_arena.core import rows
+from catch_arena.core.jit import Rows, entry, rule
 
 _GOLDEN: Final = np.uint64(0x9E3779B97F4A7C15)
 _FIRST: Final = np.uint64(0xBF58476D1CE4E5B9)
@@ -52,9 +53,9 @@ def draw(key: np.uint64, counter: np.uint64) -> np.uint64:
 
 
 @rule
-def seed_of(high: float, low: float) -> np.uint64:
-    """Return a seed from its two halves of 32 bits, as the arena memory keeps them."""
-    return (np.uint64(high) << np.uint64(32)) | np.uint64(low)
+def seed_of(chunk: Rows, lane: int) -> np.uint64:
+    """Return an arena's seed, from its two halves of 32 bits."""
+    return (np.uint64(chunk[rows.SEED_HIGH + lane]) << np.uint64(32)) | np.uint64(chunk[rows.SEED_LOW + lane])
 
 
 @rule

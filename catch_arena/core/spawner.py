@@ -105,7 +105,7 @@ def spawn_through(chunk: Rows, s: Settings, lanes: int, targets: Rows) -> None:
     """
     for lane in range(lanes):
         while (chunk[rows.FIRINGS + lane] + 1.0) * s.spawn_period_ms <= chunk[rows.TIME + lane] + s.period_ms:
-            fire(chunk, s, lane, targets, seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane]))
+            fire(chunk, s, lane, targets, seed_of(chunk, lane))
 
 
 @entry

@@ -171,12 +171,18 @@ def targets_of(chunk: Rows, s: Settings) -> Rows:
 
 
 @phase
-def most_alive(chunk: Rows, lanes: int) -> int:
-    """Return the greatest number of alive targets in a lane; `lanes` is the number of lanes that are arenas."""
+def most_in(row: Rows, lanes: int) -> float:
+    """Return the greatest number in a row; none is negative."""
     most = 0.0
     for lane in range(lanes):
-        most = chunk[rows.ALIVE + lane] if chunk[rows.ALIVE + lane] > most else most
-    return int(most)
+        most = max(most, row[lane])
+    return most
+
+
+@phase
+def most_alive(chunk: Rows, lanes: int) -> int:
+    """Return the greatest number of alive targets in a lane."""
+    return int(most_in(chunk[rows.ALIVE :], lanes))
 
 
 @phase

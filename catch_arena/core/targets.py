@@ -42,7 +42,7 @@ def steered(east: float, north: float, sine: float, cosine: float, most: float) 
 def renew_wander(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) -> None:
     """R3.9: draw the turn of a target's current period after the last period has ended."""
     period = floor((chunk[rows.TIME + lane] - targets[rows.APPEARED + at]) / s.wander_period_ms)
-    seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
+    seed = seed_of(chunk, lane)
     targets[rows.WANDER + at] = wander_draw(seed, targets[rows.NUMBER + at], period)
     targets[rows.WANDER_ENDS + at] = targets[rows.APPEARED + at] + (period + 1.0) * s.wander_period_ms
 
@@ -59,7 +59,7 @@ def keep_wandering(chunk: Rows, s: Settings, lanes: int, targets: Rows, slot: in
 @outlined
 def nearest_hunter(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) -> int:
     """R3.10, R12.5: return the seat nearest to a target, by lot if several are equally near; NO_SEAT for none."""
-    seed = seed_of(chunk[rows.SEED_HIGH + lane], chunk[rows.SEED_LOW + lane])
+    seed = seed_of(chunk, lane)
     step, number = chunk[rows.STEP + lane], targets[rows.NUMBER + at]
     chosen = rows.NO_SEAT
     nearest = np.inf
