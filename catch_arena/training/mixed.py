@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.vector import VectorArena
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, EpisodeError
 from catch_arena.policy import Limits, Side
 from catch_arena.training.players import LEARNER, Players, Rows
 
@@ -51,7 +51,7 @@ class MixedBatch:
 
     def reset(self, seed: int | None = None, arenas: ArrayLike | None = None) -> None:
         """Begin episodes, see `VectorArena.reset`; the players stay seated."""
-        is_first = not self.observations.size
+        is_first = not self.infos
         self.observations, self.infos = self.arena.reset(seed, arenas)
         if seed is not None or is_first:
             self._rng = np.random.default_rng(seed)
@@ -72,7 +72,14 @@ class MixedBatch:
 
     def view(self, side: Side, rows: Rows) -> Any:
         """Return what these agents see if they drive themselves: a `BatchView` of hunters or a `PreyBatchView`."""
-        return self.players[side].view(self.observations, self.infos["action_mask"], rows, "velocity")
+        return self.players[side].view(self.observations, self._masks, rows, "velocity")
+
+    @property
+    def _masks(self) -> NDArray[np.int8]:
+        if not self.infos:
+            raise EpisodeError("no episode has begun; call reset() first")
+        masks: NDArray[np.int8] = self.infos["action_mask"]
+        return masks
 
     def step(self, commands: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
         """Play a step.
@@ -85,10 +92,11 @@ class MixedBatch:
 
         Raises:
             AgentError: for a player that raises, or whose action is not legal.
+            EpisodeError: before the first reset.
         """
         choices = np.zeros((len(commands), self.config.hunters), np.int64)
         for players in self.players.values():
-            players.act(self.observations, self.infos["action_mask"], choices, commands)
+            players.act(self.observations, self._masks, choices, commands)
         self.observations, rewards, terminations, truncations, self.infos = self.arena.step(choices, commands)
         return rewards, terminations | truncations
 

@@ -7,7 +7,7 @@ import catch_arena
 from catch_arena import Limits, PreyLimits, VectorArena, View, scenario
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine.episode_seeds import batch_seeds
-from catch_arena.errors import AgentError, ConfigError
+from catch_arena.errors import AgentError, ConfigError, EpisodeError
 from catch_arena.layout import prey_columns
 from catch_arena.policy import control_of
 from catch_arena.tournament.agent_spec import resolve
@@ -112,6 +112,12 @@ def test_the_first_reset_begins_the_agents_also_without_a_seed(seed):
         batch.reset(seed)
         seed = None
     assert Counts.resets == 1
+
+
+def test_a_step_before_the_first_reset_is_refused():
+    batch = MixedBatch(scenario("duel", **SHORT), 2, {"hunter": ["nearest"]})
+    with pytest.raises(EpisodeError, match=r"^no episode has begun; call reset\(\) first$"):
+        batch.step(np.zeros((2, 2, 2), np.float32))
 
 
 def test_a_side_is_seen_by_those_who_play_it():
