@@ -14,7 +14,7 @@ BACKENDS: Final[tuple[Backend, ...]] = get_args(Backend)
 DEPTH: Final = 10
 """Number of unread messages that each topic keeps, as usual in ROS; after that the oldest is lost."""
 SERVICE_DEPTH: Final = 64
-"""Number of unread requests that each service keeps, and of unanswered calls that are kept."""
+"""Number of unread requests that each service keeps, and of unanswered calls that are kept; rclpy keeps all."""
 SPIN_S: Final = 0.004
 """Longest time of a spin [s], except for one more message of each topic and service."""
 LONGEST: Final = 2**17
