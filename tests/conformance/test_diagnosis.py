@@ -128,6 +128,7 @@ def test_a_large_case_is_told_briefly_but_with_all():
     assert "and 14 more" in str(report)
     assert str(report).count("\n") < 30
     assert report.in_full().count("hunter 15 at") == 1
+    assert report.in_full().count("got SERVICE_DOWN") == 16
     assert "hunter 15 at" not in str(report)
 
 
