@@ -39,9 +39,9 @@ class Moment(msgspec.Struct, frozen=True):
 
 
 def merit(result: MatchResult, party: int, hunting: int) -> tuple[bool, int]:
-    """Return how well a party did in a match, to be compared: a failure is worst, then its score counts.
+    """Return how well a party did in a match, the higher the better: any failure is worst, then the score counts.
 
-    The score of one of the `hunting` parties counts against the best other one; prey must be caught seldom.
+    For one of the `hunting` parties it is the score minus the best other one; prey must not be caught often.
     """
     if result.forfeits[party] is not None:
         return False, 0
