@@ -88,30 +88,6 @@ def rating_axis(table: Sequence[Standing]) -> Axis:
     return Axis.over(end for line in played for end in (line.rating.low, line.rating.mean, line.rating.high))
 
 
-def lanes(table: Sequence[Standing]) -> list[list[str]]:
-    """Return the bars next to agents that share a group: for each line of the table, a word for each lane.
-
-    A word is «begin», «within», «end» or empty. No two bars of a lane share a line, and the number of lanes is least.
-    """
-    bars: list[list[int]] = []
-    for group in range(1, 1 + max(standing.groups[1] for standing in table)):
-        members = [row for row, standing in enumerate(table) if standing.groups[0] <= group <= standing.groups[1]]
-        if len(members) > 1:
-            bars.append(members)
-    ends: list[int] = []  # the last line of each lane's last bar
-    found: list[list[str]] = [[] for _ in table]
-    for members in bars:
-        lane = next((lane for lane, end in enumerate(ends) if end < members[0]), len(ends))
-        if lane == len(ends):
-            ends.append(0)
-            for line in found:
-                line.append("")
-        ends[lane] = members[-1]
-        for member in members:
-            found[member][lane] = {members[0]: "begin", members[-1]: "end"}.get(member, "within")
-    return found
-
-
 def distributions(data: SideData) -> dict[str, Any]:
     """Return each agent's distribution of scores, the best agent first: bars as a path in `bins` x 1, and quartiles."""
     outcomes = data.outcomes

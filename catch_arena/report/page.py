@@ -90,7 +90,6 @@ def page(
                 "prey": side.side == "prey",
                 "table": side.standings,
                 "ratings": charts.rating_axis(side.standings),
-                "lanes": charts.lanes(side.standings),
                 "distributions": charts.distributions(side),
                 "encounters": head_to_head(side),
             }

@@ -13,7 +13,6 @@ from catch_arena.report.charts import (
     headline,
     headline_of_sides,
     interval,
-    lanes,
     number,
     percent,
     rating_axis,
@@ -80,20 +79,6 @@ def test_the_heading_of_two_sides_leaves_names_as_they_are(data):
     assert headline_of_sides({"hunter": ann, "prey": both}, ended=True) == (
         "As hunter: Ann comes first; as prey: No difference between the agents is significant yet"
     )
-
-
-def test_bars_stand_beside_those_who_share_a_group_and_never_touch_in_a_lane(data):
-    table = _table(data, [(1, 1), (1, 2), (2, 2), (3, 3), (4, 4), (4, 4), (4, 4)])
-    assert lanes(table) == [
-        ["begin", ""],
-        ["end", "begin"],
-        ["", "end"],
-        ["", ""],
-        ["begin", ""],
-        ["within", ""],
-        ["end", ""],
-    ]
-    assert lanes(_table(data, [(1, 1), (2, 2)])) == [[], []]
 
 
 def test_numbers_for_people():
