@@ -91,13 +91,10 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
         if ruling.verdict is Verdict.GRANTED:
             rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
             prey = played.get(str(ruling.target))
-            claims = [(rival.seat, rival.distance_um) for rival in rivals if rival.requested]
-            lens = None
-            if any(
-                before.hunters[seat].team != hunter.team for seat, _ in claims
-            ):  # among team-mates there is no loser
-                claims.insert(0, (ruling.hunter, ruling.distance_um or 0))
-                lens = lens_of(before, str(ruling.target), claims)
+            lost = [rival for rival in rivals if rival.requested and before.hunters[rival.seat].team != hunter.team]
+            claims = [(ruling.hunter, ruling.distance_um or 0)]
+            claims += [(rival.seat, rival.distance_um) for rival in rivals if rival.requested]
+            lens = lens_of(before, str(ruling.target), claims) if lost else None  # among team-mates there is no loser
             annotations.append(Annotation("catch", *origin, "+1", rivals, ruling.distance_um, prey, lens))
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]

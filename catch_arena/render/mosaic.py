@@ -10,13 +10,12 @@ from typing import Final, NamedTuple
 from catch_arena.errors import ConfigError, ReplayError
 from catch_arena.render import hud
 from catch_arena.render.encoders import Progress, format_of
-from catch_arena.render.match_info import Contender, MatchInfo
+from catch_arena.render.match_info import Contender
 from catch_arena.render.optional_imports import cv2
 from catch_arena.render.raster import Canvas, Pixels
-from catch_arena.render.renderer import MatchRenderer
 from catch_arena.render.shapes import Label, Shape
 from catch_arena.render.timing import Clip
-from catch_arena.render.video import RenderReport, VideoOutput, pace_of, rendered_frames
+from catch_arena.render.video import RenderReport, VideoOutput, pace_of, rendered_frames, renderer_for
 from catch_arena.replay import Replay
 
 MOST: Final = 64
@@ -132,7 +131,7 @@ def _play(name: str, replay: Replay, frame: Canvas, area: hud.Rect, whole: Clip)
     cell = area._replace(height=area.height - height)
     below = area._replace(top=cell.top + cell.height, height=height)
     picture = frame.part(cell)
-    renderer = MatchRenderer(MatchInfo.of_replay(replay), cell[2:], "arena")
+    renderer = renderer_for(replay, cell[2:], "arena")
     contenders = renderer.info.contenders
     leader: int | None = None
     frame.draw(_label_shapes(below, name, None))
