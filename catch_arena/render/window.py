@@ -49,11 +49,9 @@ class Screen:
         return width, height
 
     def show(self, pixels: NDArray[np.uint8]) -> None:
-        """Show a picture, (height, width, 3 or 4), scaled to the window; a fourth channel is ignored."""
-        height, width, channels = pixels.shape
-        picture = pygame.image.frombuffer(
-            np.ascontiguousarray(pixels).data, (width, height), "RGB" if channels == 3 else "RGBX"
-        )
+        """Show a picture, (height, width, 4), scaled to the window; the fourth channel is ignored."""
+        height, width, _ = pixels.shape
+        picture = pygame.image.frombuffer(pixels.data, (width, height), "RGBX")
         surface = pygame.display.get_surface()
         if surface is None:
             return
@@ -95,7 +93,7 @@ class Window:
         """Show a step from its beginning to its end, then return; a late step is shown in the rest of its time.
 
         Args:
-            picture: function that draws (height, width, 3 or 4) at a part of the step in (0, 1].
+            picture: function that draws (height, width, 4) at a part of the step in (0, 1].
             lasts_ms: the step's time [ms], 0 for a picture that follows no other.
         """
         lasts_s, frame_s = lasts_ms / 1000.0, time.perf_counter()

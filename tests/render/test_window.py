@@ -10,7 +10,7 @@ from catch_arena.errors import OutputError
 from catch_arena.render.optional_imports import pygame
 from catch_arena.render.window import Window
 
-FRAME = np.full((320, 400, 3), 77, dtype=np.uint8)
+FRAME = np.full((320, 400, 4), 77, dtype=np.uint8)
 
 
 class Clock:
