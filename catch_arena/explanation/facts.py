@@ -87,14 +87,13 @@ class HunterSummary:
 
 @dataclass(frozen=True, slots=True)
 class Catch:
-    """One catch, and the scores after its step. A contender is a team, or a hunter if there are no teams."""
+    """One catch, and the scores after its step."""
 
     judged_ms: int
     """Time at which the catch was judged [ms since reset]: the beginning of the step (R1.4)."""
     seat: int
-    contender: int
     scores: tuple[int, ...]
-    """Scores after the step, by contender."""
+    """Scores after the step: of the teams, or of the hunters if there are no teams."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -164,10 +164,7 @@ def explain(
         found = contests_of(replay, after)
         granted = [ruling for ruling in after.rulings if ruling.success]
         contests += found
-        catches += [
-            Catch(before.time_ms, ruling.hunter, after.hunters[ruling.hunter].team, after.team_scores)
-            for ruling in granted
-        ]
+        catches += [Catch(before.time_ms, ruling.hunter, after.team_scores) for ruling in granted]
         catchers = {str(ruling.target): ruling.hunter for ruling in granted}
         for hunter_record in hunters:
             hunter_record.note(before, after, catchers, found)

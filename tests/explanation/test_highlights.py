@@ -22,7 +22,7 @@ def match_with(catches=(), contests=(), names=("ann", "bob", "cy"), captures=())
     rows = []
     for time_ms, contender in catches:
         scores[contender] += 1
-        rows.append(Catch(time_ms, contender, contender, tuple(scores)))
+        rows.append(Catch(time_ms, contender, tuple(scores)))
     return Explanation(
         title="",
         policy="nearest",
