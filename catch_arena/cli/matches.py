@@ -96,11 +96,7 @@ def play(
     window: Window,
     record: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE",
-            help="Save the replay to this file.",
-            show_default="with Ctrl-S: match.replay, or match-2.replay ...",
-        ),
+        typer.Option(help="File for the replay.", show_default="with Ctrl-S: match.replay, match-2.replay ..."),
     ] = None,
     force: Force = False,
 ) -> None:

@@ -43,18 +43,12 @@ class Picture:
     ] = None
     shape: Annotated[
         Literal["landscape", "portrait", "square"] | None,
-        typer.Option(
-            metavar="SHAPE",
-            help="Shape of the frames: landscape, portrait (1080x1920) or square.",
-            show_default="that of the size, or landscape",
-        ),
+        typer.Option(help="Shape of the frames.", show_default="that of the size, or landscape"),
     ] = None
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")] = None
     captions: Annotated[
         Literal["plain", "clauses", "none"],
-        typer.Option(
-            metavar="KIND", help="Captions in plain words (plain), with clauses of the rulebook (clauses), or none."
-        ),
+        typer.Option(help="Captions in plain words, with clauses of the rulebook, or none."),
     ] = "plain"
 
     def arguments(self) -> dict[str, Any]:
@@ -76,9 +70,7 @@ class Film(Picture):
     speed: Speed = 1.0
     start_s: Annotated[
         float | None,
-        typer.Option(
-            "--from", metavar="SECONDS", help="Time in the match at which the video begins.", show_default="0"
-        ),
+        typer.Option("--from", metavar="SECONDS", help="Time in the match at which it begins.", show_default="0"),
     ] = None
     end_s: Annotated[
         float | None,
@@ -215,11 +207,7 @@ def render(
     ] = None,
     hunter: Annotated[
         str | None,
-        typer.Option(
-            metavar="HUNTER",
-            help="The hunter that lost this contest, a seat or a name.",
-            show_default="the one that was nearest",
-        ),
+        typer.Option(metavar="HUNTER", help="The hunter that lost it, a seat or a name.", show_default="the nearest"),
     ] = None,
 ) -> None:
     """Turn a recorded match into a video, or into a page that plays it.

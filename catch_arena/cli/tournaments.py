@@ -65,10 +65,7 @@ def tournament(
     ] = None,
     until_separated: Annotated[
         float | None,
-        typer.Option(
-            metavar="P",
-            help="Play rounds until the order of all agents is clear with this confidence, for example 0.95.",
-        ),
+        typer.Option(metavar="P", help="Play until the order of all is clear with this confidence, for example 0.95."),
     ] = None,
     max_matches: Annotated[
         int | None,
