@@ -10,12 +10,11 @@ if __name__ == "__main__":
     interrupts.listen()  # before the imports below, which take seconds
 
 import argparse
-import sys
 
 import numpy as np
-from train_ppo import RATE, Arenas, Network, export, settings_from, tensors, torch  # which names torch if it is missing
+import train_ppo as ppo  # which names torch if it is missing
+from train_ppo import torch
 
-from catch_arena.errors import CatchArenaError
 from catch_arena.policy import control_of
 from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.loading import create_policy
@@ -26,25 +25,26 @@ KEPT = 256  # number of rounds from which the network learns
 NOISE = 0.1  # standard deviation that is added to the velocities, so that more states are met
 
 
-def imitate() -> None:
+@ppo.errors_in_one_line("imitate")
+def main() -> None:
     """Train a network to decide as the agent, and write it as an agent."""
     parser = argparse.ArgumentParser(description=__doc__, epilog="The other options are those of train_ppo.py.")
     parser.add_argument("agent", help="agent to copy, with act_batch and velocity control")
     given, others = parser.parse_known_args()
-    settings, _ = settings_from(["--head", "velocity", *others])
+    settings, _ = ppo.settings_from(["--head", "velocity", *others])
     teacher = create_policy(resolve(given.agent).spec)
     if not hasattr(teacher, "act_batch") or control_of(teacher) != "velocity":
         raise ValueError(f"agent must have act_batch and velocity control, got {given.agent}")
     teacher.reset(settings.seed)
     torch.set_num_threads(1)
     torch.manual_seed(settings.seed)
-    arenas, network = Arenas(settings), Network(settings.head, settings.hidden, settings.prior)
-    optimiser = torch.optim.Adam(network.parameters(), RATE, eps=1e-5)
+    arenas, network = ppo.Arenas(settings), ppo.Network(settings.head, settings.hidden, settings.prior)
+    optimiser = torch.optim.Adam(network.parameters(), ppo.RATE, eps=1e-5)
     kept: list[tuple[tuple[torch.Tensor, ...], torch.Tensor]] = []
     rounds = -(-DECISIONS // arenas.batch.num_rows)
     for moment in range(rounds):
         seen, label = destinations(arenas.view), np.array(teacher.act_batch(arenas.view))
-        kept = [*kept[1 - KEPT :], (tensors(seen), torch.from_numpy(label))]
+        kept = [*kept[1 - KEPT :], (ppo.tensors(seen), torch.from_numpy(label))]
         with torch.no_grad():
             _, mean, _ = network(*kept[-1][0])
         velocity = mean.numpy() if moment * 5 > rounds else label  # the teacher drives at first
@@ -57,16 +57,8 @@ def imitate() -> None:
             optimiser.step()
         if moment % 100 == 0:
             print(f"round {moment} of {rounds}, loss {loss.item():.4f}", flush=True)
-    export(network.agent(), settings.out, "agent")
+    ppo.export(network.agent(), settings.out, "agent")
     print(f"{settings.out / 'agent.py'}: catch-arena check-agent {settings.out / 'agent.py'}")
-
-
-def main() -> None:
-    """Imitate; an error is one line."""
-    try:
-        imitate()
-    except (CatchArenaError, ValueError, OSError) as error:
-        sys.exit(f"imitate: {error}")
 
 
 if __name__ == "__main__":

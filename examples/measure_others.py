@@ -7,15 +7,15 @@ Files in --out: `NAME/curve.json` of each run, which training_curves.py prints a
 """
 
 import json
-import sys
 from argparse import ArgumentDefaultsHelpFormatter, ArgumentParser, Namespace
 from pathlib import Path
 from typing import Any
 
+from train_ppo import errors_in_one_line
 from train_sides import measure, opposed, parties_of
 
 from catch_arena import interrupts
-from catch_arena.errors import CatchArenaError, ConfigError
+from catch_arena.errors import ConfigError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
@@ -40,8 +40,9 @@ def curve_of(run: Path, others: list[Path], settings: Namespace) -> list[dict[st
     return curve
 
 
+@errors_in_one_line("measure_others")
 def main() -> None:
-    """Measure all runs; an error is one line."""
+    """Measure all runs."""
     parser = ArgumentParser(description=(__doc__ or "").splitlines()[0], formatter_class=ArgumentDefaultsHelpFormatter)
     parser.add_argument("runs", nargs="+", type=Path, help="folders that train_sides.py has written (--out)")
     parser.add_argument("--out", type=Path, default=Path("runs/others"), help="folder of the curves")
@@ -49,18 +50,15 @@ def main() -> None:
     given = parser.parse_args()
     if given.matches < 2:
         parser.error(f"--matches must be at least 2, got {given.matches}")
-    try:
-        found = {run: json.loads((run / "curve.json").read_text(encoding="utf-8"))["settings"] for run in given.runs}
-        if len({(one["scenario"], tuple(one["learn"])) for one in found.values()}) > 1 or len(found) < 2:
-            raise ConfigError("give two or more runs with equal --scenario and --learn")
-        for run, settings in found.items():
-            others = [other for other in found if other != run]
-            used = settings | {"matches": given.matches, "seed": 0}  # the same matches for all
-            curve = curve_of(run, others, Namespace(**used))
-            text = json.dumps({"settings": used, "curve": curve}, indent=1)
-            write_whole(prepare_folder(given.out / run.name) / "curve.json", text.encode())
-    except (CatchArenaError, OSError) as error:
-        sys.exit(f"measure_others: {error}")
+    found = {run: json.loads((run / "curve.json").read_text(encoding="utf-8"))["settings"] for run in given.runs}
+    if len({(one["scenario"], tuple(one["learn"])) for one in found.values()}) > 1 or len(found) < 2:
+        raise ConfigError("give two or more runs with equal --scenario and --learn")
+    for run, settings in found.items():
+        others = [other for other in found if other != run]
+        used = settings | {"matches": given.matches, "seed": 0}  # the same matches for all
+        curve = curve_of(run, others, Namespace(**used))
+        text = json.dumps({"settings": used, "curve": curve}, indent=1)
+        write_whole(prepare_folder(given.out / run.name) / "curve.json", text.encode())
 
 
 if __name__ == "__main__":

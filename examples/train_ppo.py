@@ -20,6 +20,8 @@ import subprocess
 import sys
 import time
 from argparse import ArgumentDefaultsHelpFormatter, ArgumentParser, Namespace
+from collections.abc import Iterator
+from contextlib import contextmanager
 from io import TextIOWrapper
 from pathlib import Path
 from typing import Any
@@ -422,7 +424,17 @@ def export(agent: PointerAgent | FlatAgent, folder: Path, name: str, *, prey: bo
     (folder / f"{name}.py").write_text(AGENT.format(**words))
 
 
-def train() -> None:
+@contextmanager
+def errors_in_one_line(program: str) -> Iterator[None]:
+    """End the program with one line after an expected error."""
+    try:
+        yield
+    except (CatchArenaError, ValueError, OSError) as error:
+        sys.exit(f"{program}: {error}")
+
+
+@errors_in_one_line("train_ppo")
+def main() -> None:
     """Train to the last decision, with a tournament after every --evaluate decisions."""
     settings, state = settings_from(sys.argv[1:])
     if state is None and (settings.out / "state.pt").exists():
@@ -443,14 +455,6 @@ def train() -> None:
             break
         learner.update()
     print(f"{settings.out / 'agent.py'}: catch-arena check-agent {settings.out / 'agent.py'}", flush=True)
-
-
-def main() -> None:
-    """Train; an error is one line."""
-    try:
-        train()
-    except (CatchArenaError, ValueError, OSError) as error:
-        sys.exit(f"train_ppo: {error}")
 
 
 if __name__ == "__main__":

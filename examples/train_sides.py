@@ -33,7 +33,7 @@ from train_ppo import Tensor, nn, torch
 
 from catch_arena.batch_policy import BatchView, PreyBatchView
 from catch_arena.config import ArenaConfig, RewardWeights
-from catch_arena.errors import CatchArenaError, ConfigError
+from catch_arena.errors import ConfigError
 from catch_arena.files import whole_file
 from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.policy import Side
@@ -42,7 +42,7 @@ from catch_arena.training.destinations import destinations
 from catch_arena.training.flat import COMMANDS, FlatAgent
 from catch_arena.training.mixed import MixedBatch, play_matches
 from catch_arena.training.networks import Mlp
-from catch_arena.training.players import LEARNER
+from catch_arena.training.players import LEARNER, Rows
 from catch_arena.training.pointer import drive
 
 SNAPSHOT = 500_000  # decisions between two past selves
@@ -147,8 +147,8 @@ class Flat(nn.Module):
         """Begin a decision of the agents that have looked."""
         self.chosen = COMMANDS[choices]
 
-    def commands(self, observations: np.ndarray) -> np.ndarray:  # noqa: ARG002 - those of a pointer network change
-        """Return the commands (N, 2) that follow from the decision at these observations (N, D)."""
+    def commands(self, observations: np.ndarray, rows: Rows) -> np.ndarray:  # noqa: ARG002 - a pointer network uses them
+        """Return the commands (N, 2) that follow from the decision at the present observations (B, N, D)."""
         return self.chosen
 
     def agent(self) -> FlatAgent:
@@ -178,8 +178,8 @@ class Pointer(ppo.Network):
         x, y, cosine, sine = self.view.observations.T[:4].astype(np.float64)
         self.place = x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside
 
-    def commands(self, observations: np.ndarray) -> np.ndarray:
-        x, y, cosine, sine = observations.T[:4].astype(np.float64)
+    def commands(self, observations: np.ndarray, rows: Rows) -> np.ndarray:
+        x, y, cosine, sine = observations[rows].T[:4].astype(np.float64)
         dx, dy = self.place[0] - x, self.place[1] - y
         return drive(cosine * dx + sine * dy, cosine * dy - sine * dx, self.resting, self.view.limits)
 
@@ -217,7 +217,7 @@ class Learner:
 
     def command(self, commands: np.ndarray, playing: np.ndarray) -> None:
         """Write the commands (B, N, 2) that follow from the last decision; zeros after the end of a match."""
-        given = self.network.commands(self.batch.observations[self.rows])
+        given = self.network.commands(self.batch.observations, self.rows)
         commands[self.rows] = np.where(playing[self.rows[0], None], given, 0)
 
     def spread(self, values: Tensor) -> Tensor:
@@ -398,7 +398,8 @@ def interval(numbers: np.ndarray) -> list[float]:
     return [round(mean, 3), round(max(0.0, mean - half), 3), round(mean + half, 3)]
 
 
-def train() -> None:
+@ppo.errors_in_one_line("train_sides")
+def main() -> None:
     """Train until the last decision."""
     settings, config = settings_from(sys.argv[1:])
     if (settings.out / "curve.json").exists():
@@ -416,14 +417,6 @@ def train() -> None:
             break
         run.update()
     print(f"{settings.out}: curve.json, and agents {', '.join(f'{one.word}.py' for one in run.learners)}", flush=True)
-
-
-def main() -> None:
-    """Train; an error is one line."""
-    try:
-        train()
-    except (CatchArenaError, ValueError, OSError) as error:
-        sys.exit(f"train_sides: {error}")
 
 
 if __name__ == "__main__":
