@@ -75,19 +75,3 @@ def find_subjects(replay: Replay, name: int | str | None) -> Subjects:
     if str(name) not in map(str, range(config.hunters)):
         raise ConfigError(f"hunter must be a seat from 0 to {config.hunters - 1}, got {name!r}")
     return Subjects((int(name),), ())
-
-
-def find_seat(replay: Replay, hunter: int | str) -> int:
-    """Return the only seat that a name means; names are as in `find_subjects`.
-
-    Raises:
-        ConfigError: for a hunter that the match does not have, for prey, and for a name that several hunters have.
-    """
-    seats, _ = find_subjects(replay, hunter)
-    if not seats:
-        raise ConfigError(f"hunter must be a hunter, since prey has no view to draw, got {hunter!r}")
-    if len(seats) > 1:
-        raise ConfigError(
-            f"hunter must be one of the seats {', '.join(map(str, seats))}: {hunter!r} is the name of all of them"
-        )
-    return seats[0]

@@ -10,7 +10,7 @@ from typing import Final, NamedTuple
 from catch_arena.config import require_choice
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.highlights import AFTER_MS, BEFORE_MS
-from catch_arena.explanation.seats import find_seat
+from catch_arena.explanation.seats import find_subjects
 from catch_arena.explanation.what_if import WhatIf
 from catch_arena.plain import whole_number
 from catch_arena.render import cards, hud
@@ -188,15 +188,18 @@ def _viewed_seat(replay: Replay, hunter: int | str) -> int:
     """Return the seat of a hunter whose view can be shown.
 
     Raises:
-        ConfigError: if the match has no such hunter, or its hunters see everything as it is.
+        ConfigError: if the match has no such hunter or several, or its hunters see everything as it is.
     """
-    seat = find_seat(replay, hunter)
+    seats, _ = find_subjects(replay, hunter)
+    if len(seats) != 1:
+        meant = f"the seats {', '.join(map(str, seats))}" if seats else "prey"
+        raise ConfigError(f"view_of must mean one hunter, got {hunter!r}, which means {meant}")
     if not replay.config.limits_views:
         raise ConfigError(
             "view_of needs a match that limits or blurs its hunters' views "
             f"(view_radius_m, view_angle_deg, view_noise_m), got {hunter!r}"
         )
-    return seat
+    return seats[0]
 
 
 def rendered_frames(replay: Replay, renderer: MatchRenderer, clip: Clip) -> Iterator[Pixels]:

@@ -7,7 +7,7 @@ from command_line import run
 
 from catch_arena import Verdict, explain, explain_step
 from catch_arena.errors import ConfigError
-from catch_arena.explanation.seats import find_seat
+from catch_arena.render.video import render_replay
 
 
 @pytest.fixture(scope="module")
@@ -158,13 +158,18 @@ def test_prey_alone_hears_of_its_own_catches(hunted):
     )
 
 
-def test_a_view_is_that_of_one_hunter(hunted):
+@pytest.mark.parametrize(
+    ("name", "error"),
+    [
+        ("b", "view_of needs a match that limits or blurs"),
+        ("a", "view_of must mean one hunter, got 'a', which means the seats 0, 2"),
+        ("prey_0", "view_of must mean one hunter, got 'prey_0', which means prey"),
+    ],
+)
+def test_a_view_is_that_of_one_hunter(hunted, tmp_path, name, error):
     """Prey sees everything."""
-    assert find_seat(hunted, "b") == 1
-    with pytest.raises(ConfigError, match="one of the seats 0, 2: 'a' is the name of all of them"):
-        find_seat(hunted, "a")
-    with pytest.raises(ConfigError, match="prey has no view to draw, got 'prey_0'"):
-        find_seat(hunted, "prey_0")
+    with pytest.raises(ConfigError, match=error):
+        render_replay(hunted, tmp_path / "v.gif", view_of=name)
 
 
 def test_a_step_tells_what_prey_did_and_what_became_of_it(hunted):
