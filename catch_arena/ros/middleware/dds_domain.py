@@ -3,6 +3,7 @@
 Over cyclonedds, services and lists of nodes with Fast DDS, ROS's default middleware, do not work.
 """
 
+import atexit
 import os
 from collections.abc import Collection, Generator, Mapping
 from typing import Final
@@ -33,6 +34,7 @@ _IN_ONE_SPIN: Final = 8
 """Number of readers, and of writers, examined in one spin, 0.1 ms each, so that hundreds do not hold up a tick."""
 _domains: Final[dict[int, Domain]] = {}
 """Domains that this process has configured; each can be configured only once."""
+atexit.register(_domains.clear)  # later, Cyclone's threads could not take Python's lock, and the exit would hang
 
 
 def join(domain: int, qos: Qos) -> DomainParticipant:
