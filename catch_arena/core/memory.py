@@ -2,8 +2,8 @@
 sections would cost a microsecond a call.
 
 It begins with a directory: for each field of `Sections` the offset of the section, and its shape. `Settings` are a
-section, and have no numbering either: only these two classes define names, order and types. Each thread has scratch
-sections of its own, whose content is not kept after a step.
+section, and have no numbering either: only these two classes define names, order, types and shapes. Each thread has
+scratch sections of its own, whose content is not kept after a step.
 """
 
 import contextlib

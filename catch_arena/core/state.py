@@ -175,7 +175,7 @@ def most_in(row: Rows, lanes: int) -> float:
     """Return the greatest number in a row; none is negative."""
     most = 0.0
     for lane in range(lanes):
-        most = max(most, row[lane])
+        most = row[lane] if row[lane] > most else most
     return most
 
 
