@@ -248,17 +248,22 @@ def clip(
     replay: Recorded,
     *,
     at: Annotated[float, typer.Option(metavar="SECONDS", help="Time in the match that is in the middle of the clip.")],
-    seconds: Annotated[
-        float, typer.Option(metavar="SECONDS", help="Length of the clip, if the match is long enough around it.")
-    ] = 8.0,
+    seconds: Annotated[float, typer.Option(metavar="SECONDS", help="Length of the clip.")] = 8.0,
     output: Annotated[Path | None, output_option(VIDEO_HELP, "an MP4 file next to the replay")] = None,
     force: Force = False,
 ) -> None:
     """Turn some seconds of a recorded match into a video; for one with other frames, use `render --from --to`."""
     recorded = load_replay(replay)
+    whole_s = recorded.duration_ms / 1000.0
+    if not 0.0 <= at <= whole_s:
+        raise ConfigError(f"at must be a time in the match, from 0 to {whole_s:g} s, got {at:g}")
+    if not seconds > 0.0:
+        raise ConfigError(f"seconds must be positive, got {seconds:g}")
+    start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
     reserve_file(target, *VIDEO, force=force)
-    _write_match(recorded, replay, target, start_s=max(0.0, at - seconds / 2.0), end_s=at + seconds / 2.0)
+    end = min(whole_s, start + seconds)
+    _write_match(recorded, replay, target, start_s=start, end_s=end)
 
 
 def load_replay(path: Path) -> "Replay":

@@ -80,27 +80,6 @@ def test_folders_without_anything_to_show_are_one_line(folder, play):
     assert "none of 1 replays" in run("mosaic", "quiet", "-o", "grid.mp4").output
 
 
-@pytest.mark.parametrize(
-    ("at", "seconds", "shown"), [("3", "2", "20 frames, 2 s"), ("0.5", "2", "15 frames, 1.5 s"), ("6", "2", "1 s")]
-)
-def test_a_clip_has_its_time_in_the_middle_and_ends_with_the_match(monkeypatch, at, seconds, shown):
-    monkeypatch.setattr("catch_arena.render.video.frame_rate", lambda *_: 10)
-    result = run("clip", "replays/m0.replay", "--at", at, "--seconds", seconds, "-o", "clip.mp4")
-    assert result.exit_code == 0, result.output
-    assert result.stdout.startswith("video: clip.mp4 (")
-    assert shown in result.stdout
-
-
-@pytest.mark.parametrize(
-    ("at", "seconds"), [("99", "8"), ("-9", "8"), ("nan", "8"), ("3", "0"), ("3", "-1"), ("3", "nan")]
-)
-def test_a_clip_that_is_not_in_the_match_is_one_line(tmp_path, at, seconds):
-    result = run("clip", "replays/m0.replay", "--at", at, "--seconds", seconds)
-    assert result.exit_code == 2
-    assert re.fullmatch("error: the (start|end) must be .*\n", result.stderr)
-    assert [path.name for path in tmp_path.glob("replays/*.mp4")] == []
-
-
 def test_ctrl_c_leaves_no_half_written_video(tmp_path):
     words = [sys.executable, "-m", "catch_arena", "mosaic", "replays", "-o", "grid.mp4", "--speed", "0.02"]
     with subprocess.Popen(words, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
