@@ -25,7 +25,7 @@ from catch_arena.render.standings_animation import StandingsAnimation, standings
 from catch_arena.render.team_scores import team_scores_shapes
 from catch_arena.render.timeline import Timeline
 from catch_arena.render.viewport import Viewport
-from catch_arena.replay.motion import Poses, StepMotion, step_motion
+from catch_arena.replay.motion import Poses, StepMotion, poses_of, step_motion
 from catch_arena.world import World
 
 SMALLEST: Final = 320
@@ -253,7 +253,7 @@ class ArenaPainter:
     """Painter of one arena's picture at every step that is shown, for `env.render()`.
 
     Trails and catches come from the worlds that were painted before. They begin again at a world of step 0, and at one
-    of an earlier step. If steps were left out, trails are straight lines.
+    of an earlier step.
 
     Args:
         config: the arena's settings.
@@ -284,14 +284,20 @@ class ArenaPainter:
         Returns:
             the time from the last world to this one [ms]; 0 if it does not follow the last one.
         """
-        last, self._last = self._last, world
-        if last is not None and (world.step == 0 or world.step < last.step):
-            last = None
-        if last is None:
-            self._renderer.reset(float(world.time_ms))
-        self._motion = step_motion(last if last is not None and world.step == last.step + 1 else world, world)
-        if last is None or world.step > last.step:
-            self._renderer.enter(self._motion)
+        renderer, last = self._renderer, self._last
+        self._last = world
+        if last is None or world.step == 0 or world.step < last.step:
+            renderer.reset(float(world.time_ms))
+            self._motion = step_motion(world, world)
+            renderer.enter(self._motion)
+        elif world.step == last.step:
+            self._motion = step_motion(world, world)
+        else:
+            if world.step == last.step + 1:
+                self._motion = step_motion(last, world)
+            else:  # steps were left out: their rulings are not known, and the way is a straight line
+                self._motion = StepMotion(last, world, (poses_of(world),))
+            renderer.enter(self._motion)
         return float(world.time_ms - self._motion.before.time_ms)
 
     def draw(self, part: float) -> Pixels:
