@@ -1,6 +1,6 @@
 """Data of explanations: contests, refusals and captures, summaries of hunters and prey, and actions in a step."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, is_dataclass
 from typing import Any
 
 from catch_arena.verdicts import Ruling, Verdict
@@ -189,14 +189,17 @@ class PreyAction:
     withdrawn: bool
 
 
-def json_ready(facts: Any) -> dict[str, Any]:
+def json_ready(value: Any) -> Any:
     """Return facts as JSON-ready values: verdicts by name, distances in micrometres, and lots in hexadecimal digits,
     since JSON readers may lack 64-bit integers.
     """
-
-    def named(fields: list[tuple[str, Any]]) -> dict[str, Any]:
-        values = {name: value.name if isinstance(value, Verdict) else value for name, value in fields}
-        return values if values.get("lot") is None else values | {"lot": f"{values['lot']:016x}"}
-
-    found: dict[str, Any] = asdict(facts, dict_factory=named)
-    return found
+    if is_dataclass(value) and not isinstance(value, type):
+        return json_ready(asdict(value))
+    if isinstance(value, Verdict):
+        return value.name
+    if isinstance(value, dict):
+        return {
+            key: f"{part:016x}" if key == "lot" and part is not None else json_ready(part)
+            for key, part in value.items()
+        }
+    return [json_ready(part) for part in value] if isinstance(value, list | tuple) else value

@@ -136,7 +136,8 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-        return json_ready(self)
+        found: dict[str, Any] = json_ready(self)
+        return found
 
 
 def explain(

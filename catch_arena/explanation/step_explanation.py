@@ -63,7 +63,8 @@ class StepExplanation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-        return json_ready(self)
+        found: dict[str, Any] = json_ready(self)
+        return found
 
     def _action(self, hunter: HunterAction) -> str:
         """Return one hunter's action in words, with its requests and the targets out of its sight."""
