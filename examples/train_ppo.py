@@ -36,7 +36,7 @@ try:
     import torch
     from torch import Tensor, nn
 except ModuleNotFoundError:
-    sys.exit(f"train_ppo: torch is not installed: {install_hint('train')}")
+    sys.exit(f"{Path(sys.argv[0]).stem}: torch is not installed: {install_hint('train')}")
 
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import RULESET, RewardWeights

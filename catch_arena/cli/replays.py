@@ -86,8 +86,8 @@ class Film(Picture):
 def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recorded matches.")]) -> None:
     """Play recorded matches again, and compare every step.
 
-    If a match does not play as recorded, the first different step and the difference are printed, and the exit code is
-    1. The exit code is 2 if a file cannot be read.
+    If a match does not play as recorded, the first different step is printed, and the exit code is 1. The exit code is
+    2 if a file cannot be read.
     """
     from catch_arena.replay.verification import verify as play_and_compare
 

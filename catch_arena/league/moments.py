@@ -36,15 +36,19 @@ def parts_of_entrants(played: Sequence[PlayedMatch]) -> Mapping[int, list[Part]]
 
 
 def best_and_worst(parts: Sequence[Part], parties: Parties) -> tuple[Part, Part] | None:
-    """Return the matches in which an entrant was best and worst as a hunter; None if it played none."""
+    """Return the matches in which an entrant was best and worst as a hunter; None if it played none.
+
+    Matches in which it did not begin count only if there are no others.
+    """
     hunted = [part for part in parts if part.party < parties.hunting]
     if not hunted:
         return None
+    begun = [part for part in hunted if part.forfeit is None or part.forfeit.step] or hunted
 
     def merit_in(part: Part) -> tuple[bool, int]:
         return merit(part.one.result, part.party, parties.hunting)
 
-    return max(hunted, key=merit_in), min(hunted, key=merit_in)
+    return max(begun, key=merit_in), min(begun, key=merit_in)
 
 
 def matches_kept(parts: Sequence[Part], parties: Parties) -> set[str]:

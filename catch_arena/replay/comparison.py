@@ -1,7 +1,6 @@
 """Comparison of two replays: the first differences."""
 
 from collections import deque
-from collections.abc import Mapping
 from itertools import islice
 from typing import Any, Final
 
@@ -79,26 +78,28 @@ def _first_states(first: Replay, second: Replay) -> list[str]:
     agents = zip(first.config.hunter_names + first.config.prey_names, first.names, second.names, strict=True)
     labels = {agent: f"{agent} ({name})" for agent, name, twin in agents if agent != name == twin}
     worlds = (next(islice(match.engines(), step, None)).world() for match in (first, second))
-    here, there = (_bodies(world, labels) for world in worlds)
+    here, there = map(_bodies, worlds)
     found = []
-    for body in here | there:
-        if body not in here or body not in there:
-            found.append(f"{body}: in {'A' if body in here else 'B'} only")
+    for kind, name in here | there:
+        body, twin = here.get((kind, name)), there.get((kind, name))
+        label = name if kind is TargetState else labels.get(name, name)
+        if body is None or twin is None:
+            found.append(f"{label}: in {'B' if body is None else 'A'} only")
             continue
-        for quantity, value in here[body].items():
-            other = there[body][quantity]
+        for quantity, value in body.items():
+            other = twin[quantity]
             if value != other:
-                found.append(f"{body}: {quantity} is {value} in A and {other} in B")
+                found.append(f"{label}: {quantity} is {value} in A and {other} in B")
     if not found:
-        found = ["all positions and counts are equal when both are played again"]
+        found = ["all positions and scores are equal; counters, controllers' integrals or digests differ"]
     if len(found) > _MOST_LINES:
         found[_MOST_LINES:] = [f"{len(found) - _MOST_LINES} more"]
     name = state_name(step)
     return [f"the states first differ in {name}", *(f"{name}: {line}" for line in found)]
 
 
-def _bodies(world: World, labels: Mapping[str, str]) -> dict[str, dict[str, Any]]:
-    """Return the quantities of the arena and of each hunter, target and prey, by name; `labels` has longer names."""
+def _bodies(world: World) -> dict[tuple[type, str], dict[str, Any]]:
+    """Return the quantities of the arena and of each hunter, target and prey, by kind and name."""
     bodies: tuple[HunterState | TargetState | PreyState, ...] = (*world.hunters, *world.targets, *world.prey)
-    found = {labels.get(body.name, body.name): body._asdict() for body in bodies}
-    return {"the arena": {"time_ms": world.time_ms, "spawned": world.spawned}, **found}
+    found = {(type(body), body.name): body._asdict() for body in bodies}
+    return {(World, "the arena"): {"time_ms": world.time_ms, "spawned": world.spawned}, **found}

@@ -88,9 +88,9 @@ class Replay(EqualByBits):
         rank = int(self.choices[step][agent])
         if self.config.controls[agent] == "target":
             return f"rank {rank}" if rank else "hold"
-        requests = [f"rank {rank}"] if rank else []
         named = requests_of_step(self.named_requests, step)  # R8.4
-        requests += [describe_name(request.name) for request in named if request.seat == agent]
+        requests = [describe_name(request.name) for request in named if request.seat == agent]
+        requests += [f"rank {rank}"] if rank else []
         return f"{commanded}, catch {', '.join(requests) or 'nothing'}"
 
     def withdrawn_before(self, step: int) -> list[int]:

@@ -1,5 +1,6 @@
 """`explain` gives the facts that the arbiter and the oracle give, in words with their clauses."""
 
+import copy
 import json
 import math
 import re
@@ -170,6 +171,9 @@ def test_what_was_asked_for_by_name_is_told_with_its_verdict(named):
     ]
     text = " ".join(explain_step(named, step + 1, seat).lines())
     assert '"x": ' in text
+    both = copy.deepcopy(named)
+    both.choices[step][seat] = 1
+    assert both.action(step, seat).endswith(", rank 1")
     assert "It requested nothing" not in text
 
 
@@ -271,6 +275,7 @@ def test_explain_prints_paragraphs_of_80_columns(crowded, catch_arena):
         assert max(map(len, result.stdout.splitlines())) <= 80
     assert len(one.stdout) < len(whole.stdout)
     facts = explain_step(crowded, explain(crowded).contests[0].step).to_dict()
+    assert json.loads(json.dumps(facts)) == facts
     assert {"hunters", "prey_by_target", "prey"} < facts.keys()
     verdicts = [one["ruling"]["verdict"] for one in facts["hunters"] if one["ruling"] is not None]
     assert verdicts

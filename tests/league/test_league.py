@@ -7,6 +7,7 @@ import sqlite3
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from datetime import datetime, timedelta, timezone
 from itertools import combinations
 from pathlib import Path
@@ -20,9 +21,11 @@ from catch_arena.errors import StoreError
 from catch_arena.league import update
 from catch_arena.league.entries import shipped_entries
 from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
+from catch_arena.league.moments import Part, best_and_worst
 from catch_arena.league.store import LeagueStore, RatingThen
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.match import Forfeit
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.statistics.intervals import Estimate
@@ -475,3 +478,19 @@ def test_with_prey_the_ratings_are_those_of_hunters():
     ratings = {line.name: line.rating.mean for line in table}
     for index, entrant in enumerate(entrants):
         assert evidence.ratings[index].mean == pytest.approx(ratings[entrant.name] - ratings["nearest"], abs=0.1)
+
+
+def test_a_match_that_did_not_begin_is_the_worst_only_if_there_is_no_other():
+    config = scenario("duel", time_limit_s=3)
+    entrants, parties = enter(["nearest", "idle"]), Parties.of(config)
+    played = play(config, entrants, round_robin(2, parties, 2, 3))
+    failures = ("FORFEIT_INIT", 0), ("FORFEIT_CRASH", 7)
+    parts = [Part(one, one.match.seating.index(0)) for one in played]
+    for part, failure in enumerate(failures):
+        one, party = parts[part]
+        forfeits = tuple(Forfeit(*failure, "") if party == at else None for at in range(2))
+        parts[part] = Part(replace(one, result=replace(one.result, forfeits=forfeits)), party)
+    best, worst = best_and_worst(parts, parties)
+    assert best.forfeit is None
+    assert worst is parts[1]
+    assert best_and_worst(parts[:1], parties) == (parts[0], parts[0])

@@ -70,6 +70,22 @@ def test_the_first_state_that_differs_is_told_with_its_numbers(play):
     assert found[-1] == "final scores of the hunters: 0, 0 in A; 0, 0 in B"
 
 
+def test_a_target_may_have_the_name_of_a_hunter(play):
+    one, other = (
+        play("duel", max_cycles=9, name_prefix="hunter_", initial_targets=number, names=("ann", "bob"))
+        for number in (0, 2)
+    )
+    found = replay_differences(one, other)
+    assert "the initial state: hunter_1: in B only" in found
+    assert any(
+        line.startswith("the initial state: hunter_1 (bob): x is ")
+        for line in replay_differences(
+            play("duel", seed=1, max_cycles=1, names=("ann", "bob")),
+            play("duel", seed=2, max_cycles=1, names=("ann", "bob")),
+        )
+    )
+
+
 def test_a_digest_alone_and_a_length_are_differences(pair):
     """The match is the same there; the shorter one is compared as far as it goes."""
     one, other = pair
@@ -77,7 +93,7 @@ def test_a_digest_alone_and_a_length_are_differences(pair):
     found = replay_differences(one, other)
     assert found[:2] == [
         "the states first differ in step 80",
-        "step 80: all positions and counts are equal when both are played again",
+        "step 80: all positions and scores are equal; counters, controllers' integrals or digests differ",
     ]
     for part in (other.choices, other.commands, other.digests):
         part.pop()
