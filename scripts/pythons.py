@@ -34,11 +34,15 @@ def promised_versions() -> list[str]:
 
 
 def find_python(version: str) -> Path | None:
-    """Return the interpreter of a minor version: pyenv's newest, or the one on PATH; None if there is none."""
+    """Return the interpreter of a minor version: on PATH, or pyenv's newest; None if there is none."""
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv")) / "versions"
-    folders = [*sorted(pyenv.glob(f"{version}.*/bin"), reverse=True), os.environ["PATH"]]
-    found = shutil.which(f"python{version}", path=os.pathsep.join(map(str, folders)))
-    return Path(found) if found else None
+    candidates = [shutil.which(f"python{version}"), *sorted(pyenv.glob(f"{version}.*/bin/python"), reverse=True)]
+    for candidate in filter(None, candidates):
+        command = [candidate, "-c", "import sys, venv; print(*sys.version_info[:2], sep='.')"]
+        found = subprocess.run(command, capture_output=True, text=True, check=False)
+        if found.stdout.strip() == version:
+            return Path(candidate)
+    return None
 
 
 def run(log: Path, folder: Path, *command: str | Path, **variables: str) -> bool:
