@@ -11,7 +11,7 @@ import itertools
 import math
 import mmap
 from collections.abc import Mapping
-from typing import Annotated, Any, Final, NamedTuple, get_args
+from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 from llvmlite import ir
@@ -49,6 +49,14 @@ Float64s = NDArray[np.float64]
 Int8s = NDArray[np.int8]
 Int32s = NDArray[np.int32]
 Int64s = NDArray[np.int64]
+_ELEMENTS: Final[dict[Any, type[np.generic]]] = {
+    Float32s: np.float32,
+    Float64s: np.float64,
+    Int8s: np.int8,
+    Int32s: np.int32,
+    Int64s: np.int64,
+}
+"""Element types again, since no program can read them out of a type in NumPy 2.5."""
 
 
 class Sections(NamedTuple):
@@ -141,9 +149,7 @@ class Sections(NamedTuple):
 
 
 _SHAPES: Final[dict[str, Shape]] = {name: kind.__metadata__[0] for name, kind in Sections.__annotations__.items()}
-DTYPES: Final = {  # NDArray[of] is ndarray[..., dtype[of]]
-    name: np.dtype(*get_args(get_args(kind.__origin__)[1])) for name, kind in Sections.__annotations__.items()
-}
+DTYPES: Final = {name: np.dtype(_ELEMENTS[kind.__origin__]) for name, kind in Sections.__annotations__.items()}
 _PLACES: Final = [1 + len(shape.sizes) for shape in _SHAPES.values()]
 """Number of int64 in the directory for each section: its offset and its shape."""
 _DIRECTORY: Final = sum(_PLACES)

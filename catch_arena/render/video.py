@@ -33,7 +33,9 @@ class RenderReport:
     """Facts about a video that was written."""
 
     path: Path
+    """File of the video."""
     frames: int
+    """Number of frames."""
     seconds: float
     """Length of the video [s]."""
     size: tuple[int, int]

@@ -33,7 +33,9 @@ class ComparisonDesign:
     """
 
     parties: Parties
+    """Parties of the arena."""
     field: int
+    """Number of agents of the field in a match."""
 
     def __post_init__(self) -> None:
         seats = self.parties.group
