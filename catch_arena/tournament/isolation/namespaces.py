@@ -38,6 +38,8 @@ _SETTINGS: Final = (
     *("ssl/openssl.cnf", "terminfo", "timezone"),
 )
 """Files in /etc that programs read, without the machine's users, keys and names."""
+_ENVIRONMENT: Final = ("bin", "etc", "include", "lib", "lib64", "pyvenv.cfg", "share")
+"""Files and folders of a virtual environment."""
 _INSTALLED: Final = {"site-packages", "dist-packages"}
 
 
@@ -123,7 +125,9 @@ def _runtime() -> Iterator[Path]:
     for pattern in _SETTINGS:
         yield from Path("/etc").glob(pattern)
     for prefix in (sys.base_prefix, sys.base_exec_prefix, sys.prefix, sys.exec_prefix):
-        yield from (Path(prefix), Path(prefix).resolve())
+        for folder in (Path(prefix), Path(prefix).resolve()):
+            environment = (folder / "pyvenv.cfg").exists()  # other agents and a store may lie next to its folders
+            yield from (folder / name for name in _ENVIRONMENT) if environment else (folder,)
     yield from (path for path in map(Path, sys.path) if path.name in _INSTALLED)
     yield from _links(Path(sys.executable))
     yield Path(catch_arena.__file__).parent

@@ -110,6 +110,20 @@ def test_an_agent_plays_from_any_place_with_what_is_its_own(sandbox, tmp_path, p
             weights.unlink()
 
 
+def test_other_files_in_the_folder_of_the_virtual_environment_are_hidden(sandbox, evaluate, tmp_path, monkeypatch):
+    """As after `python -m venv .` in the folder with the agents."""
+    (tmp_path / "pyvenv.cfg").write_text("")
+    (tmp_path / "lib").mkdir()
+    (tmp_path / "other.py").write_text("secret")
+    monkeypatch.setattr(sys, "prefix", str(tmp_path))
+    (seen,) = evaluate(sandbox, f"sorted(os.listdir({str(tmp_path)!r}))")
+    if in_namespaces(sandbox):
+        assert "other.py" not in seen
+        assert {"lib", "pyvenv.cfg"} <= set(seen)
+    else:
+        assert "other.py" in seen
+
+
 def test_it_reaches_nobody_over_a_network(sandbox, evaluate):
     with socket.create_server(("127.0.0.1", 0)) as tcp, socket.socket(socket.AF_UNIX) as named:
         name = f"\0catch-arena-test-{os.getpid()}"
