@@ -44,19 +44,12 @@ class Shape:
         self.sizes, self.by_thread = sizes, sizes[0] == "threads"
 
 
-Float32s = NDArray[np.float32]
-Float64s = NDArray[np.float64]
-Int8s = NDArray[np.int8]
-Int32s = NDArray[np.int32]
-Int64s = NDArray[np.int64]
-_ELEMENTS: Final[dict[Any, type[np.generic]]] = {
-    Float32s: np.float32,
-    Float64s: np.float64,
-    Int8s: np.int8,
-    Int32s: np.int32,
-    Int64s: np.int64,
-}
-"""Element types again, since no program can read them out of a type in NumPy 2.5."""
+# A program cannot read the element type out of an array's type in NumPy 2.5, so it stands here twice.
+Float32s = Annotated[NDArray[np.float32], np.float32]
+Float64s = Annotated[NDArray[np.float64], np.float64]
+Int8s = Annotated[NDArray[np.int8], np.int8]
+Int32s = Annotated[NDArray[np.int32], np.int32]
+Int64s = Annotated[NDArray[np.int64], np.int64]
 
 
 class Sections(NamedTuple):
@@ -148,8 +141,9 @@ class Sections(NamedTuple):
     """Records of that episode, (B, N, figures): see `rows.FINAL_SCORE` and the constants after it."""
 
 
-_SHAPES: Final[dict[str, Shape]] = {name: kind.__metadata__[0] for name, kind in Sections.__annotations__.items()}
-DTYPES: Final = {name: np.dtype(_ELEMENTS[kind.__origin__]) for name, kind in Sections.__annotations__.items()}
+_METADATA: Final = {name: kind.__metadata__ for name, kind in Sections.__annotations__.items()}
+DTYPES: Final = {name: np.dtype(element) for name, (element, _) in _METADATA.items()}
+_SHAPES: Final[dict[str, Shape]] = {name: shape for name, (_, shape) in _METADATA.items()}
 _PLACES: Final = [1 + len(shape.sizes) for shape in _SHAPES.values()]
 """Number of int64 in the directory for each section: its offset and its shape."""
 _DIRECTORY: Final = sum(_PLACES)
