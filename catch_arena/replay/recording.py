@@ -182,7 +182,7 @@ class Replay(EqualByBits):
             policy=config.policy,
             seed=self.seed,
             step=step,
-            caught=[name for name in appeared - alive.keys() if name in asked],
+            caught=list(appeared & (asked - alive.keys())),
             inactive=[seat for seat, hunter in enumerate(after.hunters) if hunter.withdrawn],
             kill_service_up=kill_service_up,
             teams=config.teams,
