@@ -3,9 +3,9 @@
 import hashlib
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Final
@@ -20,7 +20,7 @@ from catch_arena.files import prepare_folder, write_whole
 from catch_arena.replay.fileformat import decode_replay
 from catch_arena.text import last_lines
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.block_queue import MOST_TRIES
+from catch_arena.tournament.execution.block_queue import WorkQueue
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.grading import GradedMatch, TestGrade, grade_agent, unplayed_grade
 from catch_arena.tournament.grading_spec import GradingSpec
@@ -120,8 +120,7 @@ def grade_class(
 ) -> Iterator[tuple[Graded, bool]]:
     """Yield the grades of all submissions as they come, and whether they were kept by an earlier run.
 
-    Each is kept in a file before it is yielded. A submission that fails on our side is tried again when all others
-    are graded, alone, so that it costs no other one.
+    Each is kept in a file before it is yielded. `WorkQueue` grades a submission again that fails on our side.
 
     Args:
         submissions: the submissions.
@@ -135,7 +134,7 @@ def grade_class(
     """
     kept = prepare_folder(folder / KEPT)
     keys = {one.name: f"{spec_key}-{one.digest()}" for one in submissions}
-    waiting = deque[tuple[Submission, int]]()
+    waiting = deque[Submission]()
     for submission in submissions:
         before: Graded | None = None
         with suppress(OSError, ValueError):  # there is none, or one of another version
@@ -143,21 +142,15 @@ def grade_class(
         if before is not None and before.key == keys[submission.name]:
             yield before, True
         else:
-            waiting.append((submission, 1))
-    running: dict[Future[Graded], tuple[Submission, int]] = {}
-    while waiting or running:
-        while waiting and len(running) < (executor.max_pending if waiting[0][1] == 1 else 1):
-            one = waiting.popleft()
-            running[executor.run(grade, one[0])] = one
-        for future in wait(running, return_when=FIRST_COMPLETED).done:
-            submission, tries = running.pop(future)
-            try:
-                graded = msgspec.structs.replace(executor.result(future), key=keys[submission.name])
-            except MatchFailedError as error:
-                if tries < MOST_TRIES:
-                    waiting.append((submission, tries + 1))
-                    continue
-                yield Graded(name=submission.name, digest=submission.digest(), grades=(), fault=str(error)), False
+            waiting.append(submission)
+    work = WorkQueue(executor, partial(executor.run, grade))
+    while waiting or work:
+        while waiting and work.has_room:
+            work.begin(waiting.popleft())
+        for submission, graded in work.ended():
+            if isinstance(graded, MatchFailedError):
+                yield Graded(name=submission.name, digest=submission.digest(), grades=(), fault=str(graded)), False
                 continue
-            write_whole(kept / f"{submission.name}.json", msgspec.json.encode(graded))
-            yield graded, False
+            keyed = msgspec.structs.replace(graded, key=keys[submission.name])
+            write_whole(kept / f"{submission.name}.json", msgspec.json.encode(keyed))
+            yield keyed, False

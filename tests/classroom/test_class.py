@@ -24,6 +24,7 @@ from catch_arena.classroom.grading import Graded, grade_class, worst_match
 from catch_arena.classroom.submissions import find_submissions
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, MatchFailedError
+from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.grading import GradedMatch
 from catch_arena.tournament.match import Forfeit, MatchResult
@@ -252,7 +253,8 @@ def _naming(folder):
 
 
 @pytest.mark.parametrize("failures", [1, 2, 3])
-def test_a_failure_on_our_side_is_tried_again_and_costs_no_other_submission(tmp_path, failures):
+def test_a_failure_on_our_side_is_tried_again_and_costs_no_other_submission(tmp_path, monkeypatch, failures):
+    monkeypatch.setattr(block_queue, "_PAUSE_S", 0.0)
     write_class(tmp_path, {"a.py": GOOD, "b.py": GOOD, "c.py": GOOD})
     submissions, _ = find_submissions(tmp_path / "class")
     tried = []
@@ -266,7 +268,7 @@ def test_a_failure_on_our_side_is_tried_again_and_costs_no_other_submission(tmp_
     executor = Executor(Worker(ArenaConfig(), ()))
     found = {one.name: one.fault for one, _ in grade_class(submissions, grade, executor, tmp_path / "out", "key")}
     assert found == {"a": "the disk is full" if failures == 3 else None, "b": None, "c": None}
-    assert tried[:3] == ["a", "b", "c"]
+    assert sorted(tried) == ["a"] * min(3, 1 + failures) + ["b", "c"]
     again = [(one.name, known) for one, known in grade_class(submissions, grade, executor, tmp_path / "out", "key")]
     assert sorted(again) == [("a", failures < 3), ("b", True), ("c", True)]
 

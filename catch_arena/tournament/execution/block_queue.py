@@ -1,26 +1,80 @@
 """Queue of blocks that are played in parallel and kept in the order of the plan, with the results of serial play.
 
-Only this module plays a match of a tournament again: if it failed on our side, or if one of its entrants was excluded
-after its start.
+Only this module plays a match again: if it failed on our side, or if one of its entrants was excluded after its start.
 """
 
 import time
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from dataclasses import dataclass, field
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Generic, TypeVar
 
 from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.execution.executors import Executor, RecordedMatch
 from catch_arena.tournament.match import Block, Fault, PlayedMatch
 
-MOST_TRIES: Final = 3
-"""Number of tries of a block, or of the grading of a submission, that fails on our side."""
+_Task = TypeVar("_Task", bound=Hashable)
+_Result = TypeVar("_Result")
+
+_MOST_TRIES: Final = 3
+"""Number of tries of a block, or of another task, that fails on our side."""
 _MOST_HELD: Final = 256
 """Largest number of played blocks that wait in memory for an earlier block."""
 _PAUSE_S: Final = 1.0
-"""Pause before failed blocks are begun again [s]."""
+"""Pause before a failed task is begun again [s]."""
+
+
+class WorkQueue(Generic[_Task, _Result]):
+    """Tasks that an executor does in parallel, such as blocks to play and submissions to grade.
+
+    One that fails on our side is done again alone, so that it costs no other one: three times in all.
+
+    Args:
+        executor: does the tasks.
+        begin: begins a task in the executor.
+    """
+
+    def __init__(self, executor: Executor, begin: Callable[[_Task], Future[_Result]]) -> None:
+        self._executor = executor
+        self._begin = begin
+        self._running: dict[Future[_Result], _Task] = {}
+        self._failures: Counter[_Task] = Counter()  # of tasks that are to be done again
+
+    def __bool__(self) -> bool:
+        """Return whether a begun task has not ended."""
+        return bool(self._running or self._failures)
+
+    @property
+    def has_room(self) -> bool:
+        """True if another task can be begun: the executor has room, and no task is to be done again."""
+        return not self._failures and len(self._running) < self._executor.max_pending
+
+    def begin(self, task: _Task) -> None:
+        """Begin a task; if it has begun already, its result is dropped and it begins again."""
+        for future in [future for future, one in self._running.items() if one is task]:
+            future.cancel()
+            del self._running[future]
+        self._running[self._begin(task)] = task
+
+    def ended(self) -> Iterator[tuple[_Task, _Result | MatchFailedError]]:
+        """Wait, and yield the tasks that have ended, with their results; the error after three failures."""
+        if not self._running:
+            time.sleep(_PAUSE_S)
+            self.begin(next(iter(self._failures)))
+        done = wait(list(self._running), return_when=FIRST_COMPLETED).done
+        for future in [future for future in self._running if future in done]:
+            task = self._running.pop(future)
+            result: _Result | MatchFailedError
+            try:
+                result = self._executor.result(future)
+            except MatchFailedError as error:
+                self._failures[task] += 1
+                if self._failures[task] < _MOST_TRIES:
+                    continue
+                result = error
+            del self._failures[task]
+            yield task, result
 
 
 class ForfeitStreaks:
@@ -63,17 +117,15 @@ class ForfeitStreaks:
         return {index: why for index, why in self.excluded.items() if index in players}
 
 
-@dataclass(slots=True)
+@dataclass(slots=True, eq=False)
 class _QueuedBlock:
     """Block that was begun, and is not kept yet."""
 
     block: Block
-    excluded: Mapping[int, Fault] = field(default_factory=dict)
+    excluded: Mapping[int, Fault] | None = None
     """Entrants that were excluded when the block was begun, by index, with the reason."""
-    future: Future[list[RecordedMatch]] = field(default_factory=Future)
     matches: list[RecordedMatch] | None = None
     """Matches of the block; None while it is played."""
-    failures: int = 0
 
 
 def play_blocks(blocks: Iterable[Block], executor: Executor, streaks: ForfeitStreaks) -> Iterator[list[RecordedMatch]]:
@@ -90,46 +142,29 @@ def play_blocks(blocks: Iterable[Block], executor: Executor, streaks: ForfeitStr
     Raises:
         MatchFailedError: for a block that failed on our side three times.
     """
-    queue: deque[_QueuedBlock] = deque()
 
-    def begin(one: _QueuedBlock) -> None:
+    def begin(one: _QueuedBlock) -> Future[list[RecordedMatch]]:
         one.matches, one.excluded = None, streaks.excluded_from(one.block)
-        one.future = executor.submit(one.block, one.excluded)
+        return executor.submit(one.block, one.excluded)
 
-    def take(one: _QueuedBlock) -> bool:
-        try:
-            one.matches = executor.result(one.future)
-        except MatchFailedError as error:
-            one.failures += 1
-            if one.failures == MOST_TRIES:
-                raise MatchFailedError(
-                    f"match {one.block[0].id} or another one of its block failed {MOST_TRIES} times: {error}"
-                ) from None
-        return one.matches is not None
-
+    work = WorkQueue(executor, begin)
+    queue: deque[_QueuedBlock] = deque()
     waiting = iter(blocks)
     block = next(waiting, None)
     while block is not None or queue:
-        while (
-            block is not None
-            and sum(one.matches is None for one in queue) < executor.max_pending
-            and len(queue) < executor.max_pending + _MOST_HELD
-        ):
+        while block is not None and work.has_room and len(queue) < executor.max_pending + _MOST_HELD:
             queue.append(one := _QueuedBlock(block))
-            begin(one)
+            work.begin(one)
             block = next(waiting, None)
-        playing = [one for one in queue if one.matches is None]
-        done = wait([one.future for one in playing], return_when=FIRST_COMPLETED).done
-        # in order: the first failure is raised
-        if failed := [one for one in playing if one.future in done and not take(one)]:
-            time.sleep(_PAUSE_S)
-        for one in failed:
-            begin(one)
+        for one, played in work.ended():
+            if isinstance(played, MatchFailedError):
+                why = f"match {one.block[0].id} or another one of its block failed {_MOST_TRIES} times: {played}"
+                raise MatchFailedError(why)
+            one.matches = played
         while queue and (matches := queue[0].matches) is not None:
             yield matches
             queue.popleft()
             if streaks.add(played for played, _ in matches):
                 for one in queue:
                     if one.excluded != streaks.excluded_from(one.block):
-                        one.future.cancel()
-                        begin(one)
+                        work.begin(one)
