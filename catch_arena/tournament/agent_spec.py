@@ -116,6 +116,9 @@ def resolve(word: str) -> AgentSpec:
         return _resolve_path(word, path)
     if ":" in word:
         return AgentSpec(word, tuple(word.replace(":", ".").split(".")))
+    if not word.startswith(LADDER) and (path.suffix or path.with_suffix(".py").is_file()):
+        right = f"; a file is given with its ending, as {path.stem}.py" if path.with_suffix(".py").is_file() else ""
+        raise AgentError(f"{word}: no such file{right}")
     raise AgentError(
         f"unknown agent {word!r}: {suggest(word, known)} "
         f"(or give a .py file, a folder with {IN_FOLDER}, package.module:Class, or {COMMAND}COMMAND)"

@@ -6,11 +6,11 @@ import importlib.util
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import ContextDecorator, contextmanager, nullcontext
 from functools import cache
 from pathlib import Path
-from types import ModuleType
-from typing import Final
+from types import ModuleType, SimpleNamespace
+from typing import Any, Final
 
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, reason, suggest
 from catch_arena.policy import Policy, PreyPolicy, Side, control_of
@@ -46,24 +46,24 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
     Raises:
         AgentError: if it cannot; the text gives the reason.
     """
-    found = agent_class(spec, side)
+    found, own = agent_class(spec, side), _own_modules(folder_of(spec))
     try:
-        policy: Policy | PreyPolicy = found()
+        with own or nullcontext():
+            policy: Any = found()
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         raise AgentError(f"{spec}: {found.__name__}() raised {reason(error)}") from error
     for method in ("reset", "act"):
         if not callable(getattr(policy, method, None)):
             raise AgentError(f"{spec}: {found.__name__} must have a method {method}")
     control = getattr(policy, "control", None)
-    if side == "prey":
-        if control not in {None, "velocity"}:
-            raise AgentError(f"{spec}: Prey.control must be velocity or be left out (R12.2), got {control!r}")
-        return policy
+    if side == "prey" and control not in {None, "velocity"}:
+        raise AgentError(f"{spec}: Prey.control must be velocity or be left out (R12.2), got {control!r}")
     try:
         control_of(policy)
     except CatchArenaError:
         raise AgentError(f"{spec}: control must be target, velocity or full, got {control!r}") from None
-    return policy
+    made: Policy | PreyPolicy = policy if own is None else _with_modules(policy, own)
+    return made
 
 
 def sources_and_prey(spec: str) -> tuple[tuple[str, ...], bool]:
@@ -135,7 +135,7 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
 
     Args:
         path: the file.
-        folder: folder in which it can import further modules while it is imported; None for no folder.
+        folder: folder from which it can import further modules; None for no folder.
 
     Raises:
         AgentError: if importing it raises.
@@ -146,7 +146,7 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
         raise AgentError(f"{path}: is no Python file")
     module = sys.modules[name] = importlib.util.module_from_spec(spec)  # dataclasses need their module in sys.modules
     try:
-        with _process_restored(), nullcontext() if folder is None else _modules_of(folder):
+        with _process_restored(), _own_modules(folder) or nullcontext():
             spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         del sys.modules[name]
@@ -174,24 +174,45 @@ def _process_restored() -> Iterator[None]:
         sys.stdin, sys.stdout, sys.stderr = streams
 
 
-@contextmanager
-def _modules_of(folder: Path) -> Iterator[None]:
-    """Allow imports from a folder, and remove these modules afterwards: another agent's may have the same names.
+class _OwnModules(ContextDecorator):
+    """Context, and decorator of functions, in which an agent imports modules from its folder.
 
-    In an agent's own process the folder is in `sys.path` already, and the modules stay.
+    They are removed afterwards, since another agent's may have the same names. In an agent's own process the folder is
+    in `sys.path` already, and the modules stay.
     """
-    if str(folder) in sys.path:
-        yield
-        return
-    before = set(sys.modules)
-    sys.path.insert(0, str(folder))
-    try:
-        yield
-    finally:
-        for name in sys.modules.keys() - before:
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = str(folder)
+        self._modules: dict[str, ModuleType] = {}
+        self._known = 0
+
+    def __enter__(self) -> None:
+        sys.path.insert(0, self._folder)
+        sys.modules.update(self._modules)
+        self._known = len(sys.modules)
+
+    def __exit__(self, *_: object) -> None:
+        if self._folder in sys.path:  # the agent may have changed it
+            sys.path.remove(self._folder)
+        new = list(sys.modules)[self._known :] if len(sys.modules) > self._known else ()  # they come last
+        for name in new:
             file = getattr(sys.modules[name], "__file__", None)
-            if isinstance(file, str) and Path(file).is_relative_to(folder) and not name.startswith(_FILE_MODULE):
-                del sys.modules[name]
+            if isinstance(file, str) and Path(file).is_relative_to(self._folder) and not name.startswith(_FILE_MODULE):
+                self._modules[name] = sys.modules[name]
+        for name in self._modules:
+            sys.modules.pop(name, None)
+
+
+@cache
+def _own_modules(folder: Path | None) -> _OwnModules | None:
+    """Return the context for an agent in this folder; None if it imports nothing from a folder of its own."""
+    return None if folder is None or str(folder) in sys.path else _OwnModules(folder)
+
+
+def _with_modules(policy: Any, own: _OwnModules) -> Any:
+    """Return an agent's instance, whose methods can import modules from its folder whenever they are called."""
+    methods = {name: own(getattr(policy, name)) for name in ("reset", "act", "act_batch") if hasattr(policy, name)}
+    return SimpleNamespace(**methods, control=getattr(policy, "control", "target"))
 
 
 def _why_not_imported(error: BaseException, module: str, folder: Path | None = None) -> str:

@@ -109,6 +109,8 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
         ("", "an agent must be a name, a file, a folder or a command, got ''"),
         ("neerest", "unknown agent 'neerest': did you mean nearest"),
         ("missing.py", "missing.py: no such file"),
+        ("missing.zip", "^missing.zip: no such file$"),
+        ("helpers", r"^helpers: no such file; a file is given with its ending, as helpers\.py$"),
         (
             "neighbours.py",
             r"it imports helpers, which is not installed here; .* a folder with agent\.py and helpers",
@@ -192,19 +194,45 @@ def test_a_commands_name_and_digest_come_from_its_file_whatever_it_says(tmp_path
     assert len({mine.digest, with_option.digest, changed.digest}) == 3
 
 
-def test_an_agent_may_be_a_folder_whose_modules_are_its_own(agent_file):
-    """Two folders have a module of one name; each agent has its own, and none is left where others could import it."""
+EARLY = """
+import helper
+class Agent:
+    def reset(self, seed): pass
+    def act(self, view): return helper.CHOICE
+"""
+LATE = """
+class Agent:
+    def __init__(self):
+        from helper import CHOICE
+        self.choices = [CHOICE]
+    def reset(self, seed):
+        import deeper
+        self.choices.append(deeper.CHOICE)
+    def act(self, view):
+        import deeper
+        from helper import CHOICE
+        return CHOICE if self.choices == [CHOICE, deeper.CHOICE] else 0
+"""
+
+
+@pytest.mark.parametrize("source", [EARLY, LATE])
+def test_an_agent_may_be_a_folder_whose_modules_are_its_own(agent_file, source):
+    """Two folders have modules of one name; each agent has its own, whenever it imports them, and none is left where
+    others could import it.
+    """
     for name, choice in (("ann", 1), ("bob", 2)):
         agent_file(f"CHOICE = {choice}\n", f"{name}/helper.py")
-        agent_file(
-            HOLDS.replace("class", "import helper\nclass").replace("return 0", "return helper.CHOICE"),
-            f"{name}/agent.py",
-        )
+        agent_file("import helper\nCHOICE = helper.CHOICE\n", f"{name}/deeper.py")
+        agent_file(source, f"{name}/agent.py")
     folders = [str(Path(agent_file(HOLDS)).parent / name) for name in ("ann", "bob")]
     entrants = enter(folders)
     assert [one.name for one in entrants] == ["ann", "bob"]
-    assert [one.create().act(None) for one in entrants] == [1, 2]
-    assert "helper" not in sys.modules
+    agents = [one.create() for one in entrants]
+    for agent in agents:
+        agent.reset(0)
+    for _ in range(2):
+        assert [agent.act(None) for agent in agents] == [1, 2]
+    assert not {"helper", "deeper"} & set(sys.modules)
     assert not set(folders) & set(sys.path)
     agent_file("CHOICE = 3\n", "ann/helper.py")
     assert enter(folders)[0].digest != entrants[0].digest
