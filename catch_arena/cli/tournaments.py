@@ -28,14 +28,13 @@ from catch_arena.cli.options import (
 from catch_arena.cli.outputs import PAGE, Force, output_option, reserve_file
 from catch_arena.cli.terminal import echo, noting_kept_results, own_console, progress_bar
 from catch_arena.errors import ConfigError, OutputError
-from catch_arena.files import prepare_folder
 from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import MAX_FORFEITS
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
-from catch_arena.tournament.store import STORE, Store, Tournament, terms_of
+from catch_arena.tournament.store import STORE, Store
 
 if TYPE_CHECKING:  # heavy
     from catch_arena.tournament.statistics.intervals import Estimate
@@ -106,10 +105,8 @@ def tournament(
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.executors import Worker
-    from catch_arena.tournament.execution.runner import LOGS, REPLAYS, play_plan
-    from catch_arena.tournament.export import write_standings
+    from catch_arena.tournament.execution.runner import LOGS, Setup
     from catch_arena.tournament.plans.schedule import BUDGET, MOST_IN_A_ROUND, UntilSeparated, plan_of, require_enough
-    from catch_arena.tournament.statistics.standings import standings_of_sides
 
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
@@ -129,32 +126,39 @@ def tournament(
         plan, bound = plan_with(rounds), ""
     else:
         plan, bound = UntilSeparated(plan_with(most // in_a_round), entrants, parties, until_separated), "at most "
-    worker = Worker(config, entrants, record, quotas)
-    about = Tournament(config, entrants, plan.parameters, secret.text, terms_of(quotas, max_forfeits, recorded=record))
+    setup = Setup(out, plan, Worker(config, entrants, record, quotas), secret, max_forfeits)
+    require_own_folder(out, force=force)
     if not (out / STORE).exists():
-        if not force and out.is_dir() and any(out.glob("[!.]*")):
-            raise OutputError(f"{out}: has other files; use --force to write into it, or choose another folder")
-        cost = measure_cost(worker, plan)
+        cost = measure_cost(setup.worker, plan)
         own_console(err=True).print(plan_table(plan, len(entrants), cost, jobs))
-    prepare_folder(out / REPLAYS if record else out)
 
-    with Store.begin(about, out, resume=resume) as store, _watched(out) if watch else nullcontext():
+    with setup.begin(resume=resume) as store, _watched(out) if watch else nullcontext():
         echo(f"{arena.scenario}: {len(entrants)} agents, {bound}{plan.size} matches, {len(parties)} in each")
         print_missing_prey(entrants, config)
-        with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
-            with cores.of(worker) as ready, progress_bar("playing", plan.size) as show:
-                play_plan(store, plan, ready, max_forfeits=max_forfeits, progress=show)
-            tables = standings_of_sides(entrants, list(store.played()), parties)
-            played = store.count_played()
-            write_standings(out, about, played, tables)
+        with (
+            noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"),
+            cores.of(setup.worker) as ready,
+            progress_bar("playing", plan.size) as show,
+        ):
+            tables = setup.play(store, ready, show)
         _print_standings(tables, entrants)
         if isinstance(plan, UntilSeparated) and plan.last is not None:
-            echo(f"after {played} matches, {plan.last}")
+            echo(f"after {store.count_played()} matches, {plan.last}")
         if (out / LOGS).exists():
             echo(f"what agents printed, and how they failed: {out / LOGS}")
         print_seed(secret)
         echo(f"results: {out}")
         echo(f"report: {write_report(out)}")
+
+
+def require_own_folder(folder: Path, *, force: bool) -> None:
+    """Check that a folder is missing, empty or that of a tournament, if `force` is False.
+
+    Raises:
+        OutputError: if it has files of another origin.
+    """
+    if not force and not (folder / STORE).exists() and folder.is_dir() and any(folder.glob("[!.]*")):
+        raise OutputError(f"{folder}: has other files; use --force to write into it, or choose another folder")
 
 
 def _print_standings(tables: "dict[Side, list[Standing]]", entrants: tuple[Entrant, ...]) -> None:

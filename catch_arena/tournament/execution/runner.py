@@ -1,19 +1,25 @@
 """Runner of a plan: it stores blocks, replays and logs in the order of the plan, whatever executor plays them."""
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager
+from dataclasses import dataclass
 from itertools import islice
 from pathlib import Path
 from typing import Final
 
 from catch_arena.errors import StoreError
 from catch_arena.files import prepare_folder, unwritable, write_whole
+from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import ForfeitStreaks, play_blocks
-from catch_arena.tournament.execution.executors import Executor
-from catch_arena.tournament.match import Block, PlayedMatch
+from catch_arena.tournament.execution.executors import Executor, Worker
+from catch_arena.tournament.export import write_standings
+from catch_arena.tournament.match import MAX_FORFEITS, Block, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import Plan
-from catch_arena.tournament.store import Store
+from catch_arena.tournament.secret import Secret
+from catch_arena.tournament.statistics.standings import Standing, standings_of_sides
+from catch_arena.tournament.store import Store, Tournament, terms_of
 
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
@@ -22,6 +28,47 @@ MOST_BYTES: Final = 4 << 20
 """Size of an agent's log file [bytes] from which on no match is added; the last one may exceed it."""
 _LONGEST: Final = 240
 """Largest length of a file's name [bytes], without its ending."""
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """Setup of a tournament in a folder, as the commands `tournament` and `suite` play it."""
+
+    folder: Path
+    plan: Plan
+    worker: Worker
+    """Player of the matches: it has the arena, the entrants and the quotas."""
+    secret: Secret
+    """Secret that the plan is drawn from."""
+    max_forfeits: int = MAX_FORFEITS
+    """Number of forfeits in a row that exclude an entrant; 0 for no limit."""
+
+    @property
+    def tournament(self) -> Tournament:
+        """Facts of the tournament, which its store has."""
+        worker = self.worker
+        terms = terms_of(worker.quotas, self.max_forfeits, recorded=worker.record)
+        return Tournament(worker.config, worker.entrants, self.plan.parameters, self.secret.text, terms)
+
+    def begin(self, *, resume: bool) -> AbstractContextManager[Store]:
+        """Make the folder and open its store; without `resume` the store must not have a plan yet.
+
+        Raises:
+            OutputError: if the folder cannot be written.
+            StoreError, OtherTournamentError: see `Store.begin`.
+        """
+        prepare_folder(self.folder / REPLAYS if self.worker.record else self.folder)
+        return Store.begin(self.tournament, self.folder, resume=resume)
+
+    def play(
+        self, store: Store, executor: Executor, progress: Callable[[int, int], None]
+    ) -> dict[Side, list[Standing]]:
+        """Play the matches that are not in the store yet, write the standings, and return them; see `play_plan`."""
+        play_plan(store, self.plan, executor, max_forfeits=self.max_forfeits, progress=progress)
+        played, parties = list(store.played()), Parties.of(self.worker.config)
+        tables = standings_of_sides(self.worker.entrants, played, parties)
+        write_standings(self.folder, self.tournament, len(played), tables)
+        return tables
 
 
 def play_plan(
