@@ -30,8 +30,8 @@ from catch_arena.cli.terminal import progress_bar
 from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError
 from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
-from catch_arena.suite.evaluation import Evaluation
 from catch_arena.suite.measures import REFERENCES_FILE, AgentMeasures, facts_of, measure
+from catch_arena.suite.tournaments import play, tournaments
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import usable_cores
 from catch_arena.tournament.loading import shipped
@@ -78,7 +78,7 @@ def main() -> int:
     try:
         wanted = args.agents or list(shipped())
         agents = enter(sorted(wanted, key=lambda name: name not in REFERENCES))  # references are needed most
-        measured = [play(one, args.blocks) for one in agents]
+        measured = [result_of(one, args.blocks) for one in agents]
         measured.sort(key=lambda one: -one.held_out.mean)
         text = page(measured, args.blocks)
         card, heading, cross_play = PAGE.read_text(encoding="utf-8").partition(CROSS_PLAY)
@@ -93,7 +93,7 @@ def main() -> int:
     return 0
 
 
-def play(agent: Entrant, most: int) -> AgentMeasures:
+def result_of(agent: Entrant, most: int) -> AgentMeasures:
     """Play an agent in the suite, and return its results; matches of other versions of it or its opponents are removed.
 
     Args:
@@ -101,19 +101,21 @@ def play(agent: Entrant, most: int) -> AgentMeasures:
         most: number of blocks of each scenario, unless the agent is a reference.
     """
     blocks = SUITE.blocks if agent.name in REFERENCES else most
-    evaluation = Evaluation(SUITE, agent, OUT, blocks, None)
-    with progress_bar(agent.name, evaluation.matches) as show:
+    setups = tournaments(SUITE, agent, OUT, blocks, None)
+    for one in setups:
         try:
-            evaluation.play(usable_cores(), show)
-        except OtherTournamentError as error:  # before the first match
-            print(f"{agent.name} is played again: {error}", file=sys.stderr)
-            shutil.rmtree(evaluation.folder)
-            evaluation.play(usable_cores(), show)
-    return measure(evaluation)
+            with one.begin(resume=True):
+                pass
+        except OtherTournamentError as error:
+            print(f"{agent.name} is played again in {one.folder.name}: {error}", file=sys.stderr)
+            shutil.rmtree(one.folder)
+    with progress_bar(agent.name) as show:
+        play(setups, usable_cores(), show)
+    return measure(SUITE, setups)
 
 
 def page(measured: Sequence[AgentMeasures], most: int) -> str:
-    """Return the text of docs/reference/card.md; `most` is that of `play`."""
+    """Return the text of docs/reference/card.md; `most` is that of `result_of`."""
     command = "make card" if most == SUITE.blocks else f"scripts/card.py --blocks {most}"
     facts = {"suite": SUITE.name, "digest": SUITE.digest, "blocks": SUITE.blocks, "machine": machine()}
     head = HEAD.format(**facts, command=command, headings=" | ".join(HEADINGS), rule="|---" * len(HEADINGS) + "|")
@@ -123,7 +125,7 @@ def page(measured: Sequence[AgentMeasures], most: int) -> str:
 
 
 def merged(card: str, page: str, most: int) -> str:
-    """Return the card with all agents of another page, highest held-out scores first; `most` is that of `play`.
+    """Return the card with all agents of another page, highest held-out scores first; `most` is that of `result_of`.
 
     Raises:
         ConfigError: the card is of another suite, so its figures cannot be compared with these.

@@ -1,6 +1,7 @@
 """`catch-arena suite`: measurement of an agent under a fixed protocol, so that papers can compare their numbers."""
 
 from collections.abc import Mapping
+from itertools import chain
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -8,10 +9,10 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
-from catch_arena.cli.outputs import Force, reserve_file
+from catch_arena.cli.outputs import reserve_file
 from catch_arena.cli.terminal import echo, noting_kept_results, own_console, plain_table, progress_bar
-from catch_arena.files import prepare_folder, write_whole
-from catch_arena.tournament.agent_spec import is_shipped
+from catch_arena.cli.tournaments import require_own_folder
+from catch_arena.files import write_whole
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 
 if TYPE_CHECKING:
@@ -42,7 +43,10 @@ def suite(
         typer.Option("--runs", help="Treat the agents as training runs of one method, with one training seed each."),
     ] = False,
     json: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write all figures as JSON.")] = None,
-    force: Force = False,
+    force: Annotated[
+        bool,
+        typer.Option("--force", help="Replace FILE if it exists, and write into DIR even if it has other files."),
+    ] = False,
     out: Annotated[
         Path | None,
         typer.Option(
@@ -64,8 +68,8 @@ def suite(
 
     from catch_arena.cli.tables import with_interval
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
-    from catch_arena.suite.evaluation import Evaluation
     from catch_arena.suite.measures import facts_of, measure, over_training_runs, references
+    from catch_arena.suite.tournaments import cannot_play, play, tournaments
     from catch_arena.tournament.execution.executors import usable_cores
     from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
@@ -77,18 +81,16 @@ def suite(
     reserve_file(json, ".json", force=force)
     entered = enter_agents(agents, quotas)
     blocks = QUICK_BLOCKS if quick else chosen.blocks
-    evaluations = [
-        Evaluation(chosen, agent, out, blocks, None if is_shipped(agent.spec) else quotas) for agent in entered
-    ]
-    prepare_folder(out)
-    if not resume:
-        for evaluation in evaluations:
-            evaluation.require_new()
+    setups = [tournaments(chosen, agent, out, blocks, quotas) for agent in entered]
+    for one in chain(*setups):
+        require_own_folder(one.folder, force=force)
+        with one.begin(resume=resume):
+            pass  # errors come before the first match
     with sandbox_for(quotas) as sandbox:
-        for evaluation in evaluations:
-            for scenario, fault in evaluation.cannot_play(sandbox):
-                echo(f"{evaluation.agent.name} cannot play {scenario}, and forfeits there: {fault}", err=True)
-    total = sum(evaluation.matches for evaluation in evaluations)
+        for agent in (one for one in entered if one.fault is None):
+            for scenario, fault in cannot_play(chosen, agent, sandbox):
+                echo(f"{agent.name} cannot play {scenario}, and forfeits there: {fault}", err=True)
+    total = sum(one.plan.size for one in chain(*setups))
     processes = f"{workers} processes" if workers > 1 else "one process"
     echo(f"{chosen.name} (digest {chosen.digest}): {len(chosen.scenarios)} scenarios, {blocks} blocks of each")
     if quick:
@@ -99,11 +101,11 @@ def suite(
     echo(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, with {processes}")
 
     with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
-        for evaluation in evaluations:
-            with progress_bar(evaluation.agent.name, evaluation.matches) as show:
-                evaluation.play(workers, show)
+        for agent, in_scenarios in zip(entered, setups, strict=True):
+            with progress_bar(agent.name) as show:
+                play(in_scenarios, workers, show)
     known = references(chosen)
-    measured = [measure(evaluation) for evaluation in evaluations]
+    measured = [measure(chosen, in_scenarios) for in_scenarios in setups]
     for measures in measured:
         _show(measures, known)
     method = {}

@@ -5,6 +5,6 @@ The cases of the conformance suite are in conformance/.
 It fixes everything that two papers must have in common to compare their numbers.
 
 - contents: the scenarios, opponents and matches of a suite, frozen under a name with a version.
-- evaluation: play of a suite by an agent; each scenario is a tournament in a folder of its own.
-- measures: the figures of an agent, by scenario and over all scenarios, and the kept scores of shipped agents.
+- tournaments: the tournament of each scenario, which the command `tournament` would play in the same way.
+- measures: the figures of an agent, by scenario and over all scenarios, from the stores of its tournaments.
 """

@@ -6,7 +6,7 @@ A suite is frozen under its name, because numbers in papers belong to it. Every 
 import hashlib
 import json
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, partial
 from itertools import combinations
 from typing import Any, Final
 
@@ -42,21 +42,6 @@ class SuiteScenario:
     description: str
     """Short description of what differs from other scenarios."""
 
-    @property
-    def parties(self) -> Parties:
-        """The parties of a match; the agent is one of them."""
-        return Parties.of(self.config)
-
-    def lineup(self, block: int) -> tuple[int, ...]:
-        """Return the agent's opponents in a block, by index in `opponents`.
-
-        Each opponent plays as often as all of them fit in; the remaining parties are a group that changes by block.
-        """
-        indices = range(len(self.opponents))
-        whole, rest = divmod(len(self.parties) - 1, len(indices))
-        groups = list(combinations(indices, rest))
-        return (*indices,) * whole + groups[block % len(groups)]
-
 
 @dataclass(frozen=True)
 class Suite:
@@ -80,13 +65,16 @@ class Suite:
     def plan(self, scenario: SuiteScenario, blocks: int) -> Plan:
         """Return the matches of one agent in a scenario: entrant 0 is the agent, the others are its opponents.
 
-        A plan with fewer blocks has the first blocks of a longer plan.
+        In a block each opponent plays as often as all of them fit in; the remaining parties are a group that changes
+        by block. A plan with fewer blocks has the first blocks of a longer plan.
         """
-        parties = scenario.parties
+        parties, opponents = Parties.of(scenario.config), range(1, 1 + len(scenario.opponents))
+        whole, rest = divmod(len(parties) - 1, len(opponents))
+        groups = list(combinations(opponents, rest))
         roles = round_robin(len(parties), parties, blocks, self.secret(scenario))
 
         def seated(block: Block) -> Block:
-            playing = (0, *(1 + index for index in scenario.lineup(block[0].block)))
+            playing = (0, *(*opponents,) * whole, *groups[block[0].block % len(groups)])
             return tuple(replace(match, seating=tuple(playing[role] for role in match.seating)) for match in block)
 
         # without the number of blocks, so that the matches of a first look are not played again
@@ -122,36 +110,38 @@ class Suite:
         }
 
 
-def _shipped(name: str, description: str, opponents: tuple[str, ...] = TRAINING_OPPONENTS) -> SuiteScenario:
-    return SuiteScenario(name, _own_control(name), opponents, held_out=False, description=description)
-
-
-def _own_control(name: str) -> ArenaConfig:
-    """Return a shipped scenario in which each agent plays under its own control."""
-    return SCENARIOS[name].replace(control=ArenaConfig().control)
-
-
-def _held_out(
-    name: str, description: str, opponents: tuple[str, ...], *, arena: str = "standard", **settings: Any
+def _scenario(
+    name: str,
+    description: str,
+    opponents: tuple[str, ...] = TRAINING_OPPONENTS,
+    *,
+    arena: str | None = None,
+    held_out: bool = False,
+    **settings: Any,
 ) -> SuiteScenario:
-    config = _own_control(arena).replace(**settings)
-    return SuiteScenario(name, config, opponents, held_out=True, description=description)
+    """Return a line of the tables below: a shipped scenario, `arena` or else `name`, with changes of its settings.
 
+    Each agent plays under its own control.
+    """
+    config = SCENARIOS[arena or name].replace(control=ArenaConfig().control, **settings)
+    return SuiteScenario(name, config, opponents, held_out, description)
+
+
+_held_out = partial(_scenario, arena="standard", held_out=True)
 
 SUITE: Final = Suite(
     name="catch_arena_suite_v1",
     scenarios=(
-        _shipped("standard", "four hunters in turtlesim's arena"),
-        _shipped("duel", "two hunters"),
-        _shipped("scarce", "a target every two seconds"),
-        _shipped("wander", "targets drive in arcs"),
-        _shipped("fog", "hunters see 2.5 m far"),
-        _shipped("pairs", "two teams of two"),
+        _scenario("standard", "four hunters in turtlesim's arena"),
+        _scenario("duel", "two hunters"),
+        _scenario("scarce", "a target every two seconds"),
+        _scenario("wander", "targets drive in arcs"),
+        _scenario("fog", "hunters see 2.5 m far"),
+        _scenario("pairs", "two teams of two"),
         _held_out("strangers", "`standard` against held-out opponents", HELD_OUT_OPPONENTS),
         _held_out(
             "dense",
             "three targets per second, 20 at the start",
-            TRAINING_OPPONENTS,
             initial_targets=20,
             max_targets=32,
             spawn_frequency_hz=3.0,
@@ -159,7 +149,6 @@ SUITE: Final = Suite(
         _held_out(
             "fast",
             "hunters drive 3.5 m/s and turn faster; their reach is shorter",
-            TRAINING_OPPONENTS,
             max_speed_mps=3.5,
             max_turn_rate_radps=6.0,
             reach_m=0.2,
@@ -167,7 +156,6 @@ SUITE: Final = Suite(
         _held_out(
             "triples",
             "two teams of three",
-            TRAINING_OPPONENTS,
             hunters=6,
             teams=((0, 1, 2), (3, 4, 5)),
             team_share=1.0,
@@ -215,8 +203,8 @@ SUITE: Final = Suite(
 LADDER: Final = Suite(
     name="catch_arena_ladder_v1",
     scenarios=(
-        _shipped("standard", "four hunters in turtlesim's arena, against scripts"),
-        _shipped("partners", "two teams of two, and a catch needs two hunters; against a script", ("together",)),
+        _scenario("standard", "four hunters in turtlesim's arena, against scripts"),
+        _scenario("partners", "two teams of two, and a catch needs two hunters; against a script", ("together",)),
         _held_out(
             "beginners",
             "`standard` against agents that have learned for a short time",

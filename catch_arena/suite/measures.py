@@ -4,16 +4,17 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import groupby
+from itertools import groupby, islice
 from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 
 from catch_arena.suite.contents import Suite, SuiteScenario
-from catch_arena.suite.evaluation import Evaluation
 from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.execution.runner import Setup
 from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.aggregates import (
     interquartile_estimate,
     interquartile_gap,
@@ -25,6 +26,7 @@ from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, SideRes
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import LEVEL, holm, p_values
 from catch_arena.tournament.statistics.standings import standings
+from catch_arena.tournament.store import Store
 
 PROFILE_LEVELS = tuple(level / 20 for level in range(20))
 """Score levels of the performance profile, from 0 to 0.95."""
@@ -113,12 +115,14 @@ class AgentMeasures:
         return probability_of_improvement(self.table(held_out=held_out), reference_table)
 
 
-def measure(evaluation: Evaluation) -> AgentMeasures:
-    """Return the figures of an agent in a suite of which it has played all matches."""
-    scenarios = (
-        measure_scenario(one, evaluation.entrants(one), evaluation.played(one)) for one in evaluation.suite.scenarios
-    )
-    return AgentMeasures(evaluation.agent, evaluation.blocks, tuple(scenarios))
+def measure(suite: Suite, setups: Sequence[Setup]) -> AgentMeasures:
+    """Return the figures of an agent in a suite from the stores of its tournaments, which have been played."""
+    scenarios = []
+    for scenario, setup in zip(suite.scenarios, setups, strict=True):
+        with Store.read(setup.folder) as store:  # it may have more blocks, since a plan begins with a shorter one
+            played = list(islice(store.played(), setup.plan.size))
+        scenarios.append(measure_scenario(scenario, setup.worker.entrants, played))
+    return AgentMeasures(setups[0].worker.entrants[AGENT], len(scenarios[0].by_block), tuple(scenarios))
 
 
 def measure_scenario(
@@ -134,7 +138,7 @@ def measure_scenario(
     by_block = [_normalised(list(block)) for _, block in groupby(played, key=lambda one: one.match.block)]
     column = np.array(by_block)[:, None]
     (score,) = ratios(column, np.ones_like(column))
-    results = SideResults.of(entrants, played, scenario.parties)
+    results = SideResults.of(entrants, played, Parties.of(scenario.config))
     table = standings(results)
     (line,) = (line for line in table if line.name == entrants[AGENT].name)
     times = [one.result.thinking[one.match.seating.index(AGENT)] for one in played]

@@ -9,7 +9,7 @@ import sys
 from pathlib import Path
 
 from catch_arena.suite.contents import suite_called
-from catch_arena.suite.evaluation import Evaluation
+from catch_arena.suite.tournaments import tournaments
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match_loop import play_entrants
 
@@ -25,15 +25,13 @@ def file_of(suite):
 def first_matches(suite):
     """By scenario: the seed and the seating of the first match of `nearest`, and the digest after so many steps."""
     (agent,) = enter(["nearest"])
-    evaluation = Evaluation(suite, agent, Path(), suite.blocks, None)
     found = {}
-    for scenario in suite.scenarios:
-        match = next(iter(suite.plan(scenario, 1)))
-        entrants = evaluation.entrants(scenario)
-        seated = [entrants[index] for index in match.seating]
+    for one in tournaments(suite, agent, Path(), suite.blocks, None):
+        match = next(iter(one.plan))
+        seated = [one.worker.entrants[index] for index in match.seating]
         seeds = match.agent_seeds
-        result = play_entrants(scenario.config, match.seed, seated, None, agent_seeds=seeds, most_steps=STEPS)
-        found[scenario.name] = [match.seed, [one.name for one in seated], result.digest]
+        result = play_entrants(one.worker.config, match.seed, seated, None, agent_seeds=seeds, most_steps=STEPS)
+        found[one.folder.name] = [match.seed, [one.name for one in seated], result.digest]
     return found
 
 

@@ -3,6 +3,7 @@
 import dataclasses
 import json
 import re
+import shutil
 
 import command_line
 import numpy as np
@@ -12,8 +13,8 @@ from tournament.played_matches import made_up
 from catch_arena.scenarios import scenario
 from catch_arena.suite import contents
 from catch_arena.suite.contents import Suite, SuiteScenario
-from catch_arena.suite.evaluation import Evaluation
 from catch_arena.suite.measures import AgentMeasures, measure, measure_scenario, over_training_runs
+from catch_arena.suite.tournaments import play, tournaments
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import MoveTimes
 from catch_arena.training import Mlp
@@ -79,15 +80,44 @@ def test_it_goes_on_where_it_was_and_ends_with_the_same(run, tmp_path):
     again = run("contested")
     assert again.exit_code == 2
     assert again.stderr == (
-        "error: out/suite/contested: already contains matches of contested; continue with --resume, or "
-        "choose another folder\n"
+        "error: out/suite/contested/duel/tournament.sqlite: holds a tournament already, with 8 of 8 matches played: "
+        "go on with --resume, or give another folder\n"
     )
-    (tmp_path / "out/suite/contested/four/tournament.sqlite").unlink()
+    shutil.rmtree(tmp_path / "out/suite/contested/four")
     resumed = run("contested", "--resume", "--json", "two.json")
     assert resumed.exit_code == 0, resumed.output
     one, two = ((tmp_path / name).read_text() for name in ("one.json", "two.json"))
     assert without_times(one) == without_times(two)
     assert run("contested", "--resume").exit_code == 0
+
+
+def test_each_scenario_is_what_the_command_tournament_plays_in_its_folder(run, tmp_path):
+    """It refuses what `tournament` refuses before any match, and leaves what `tournament` leaves."""
+    mine = tmp_path / "out/suite/contested/pairs/standings.csv"
+    mine.parent.mkdir(parents=True)
+    mine.write_text("mine")
+    refused = run("nearest", "contested")
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    assert refused.stderr == (
+        "error: out/suite/contested/pairs: has other files; use --force to write into it, or choose another folder\n"
+    )
+    assert mine.read_text() == "mine"
+    assert run("nearest", "contested", "--force").exit_code == 0
+    for name, matches in (("duel", 8), ("four", 16), ("pairs", 8)):
+        folder = tmp_path / "out/suite/contested" / name
+        assert json.loads((folder / "standings.json").read_text())["matches"] == matches
+        assert command_line.run("report", str(folder)).exit_code == 0
+
+
+def test_a_first_look_is_the_beginning_of_the_protocol_in_one_folder(run, tmp_path):
+    assert run("contested", "--out", "o", "--json", "whole.json").exit_code == 0
+    assert run("contested", "--out", "two", "--quick", "--json", "quick.json").exit_code == 0
+    assert run("contested", "--out", "o", "--quick", "--resume", "--json", "first.json").exit_code == 0
+    assert run("contested", "--out", "two", "--resume", "--json", "grown.json").exit_code == 0
+    whole, quick, first, grown = (
+        without_times((tmp_path / f"{name}.json").read_text()) for name in ("whole", "quick", "first", "grown")
+    )
+    assert quick == first != whole == grown
 
 
 def without_times(text):
@@ -119,8 +149,8 @@ def test_one_that_cannot_begin_is_told_once(run, tmp_path):
     (tmp_path / "mine.py").write_text("import rclpy\nclass Agent: pass\n")
     result = run("mine.py", "--quick")
     assert result.exit_code == 0, result.output
-    assert result.stderr.count("it imports rclpy, which is not installed here") == 2  # as for every command, and here
-    assert "mine cannot play any scenario, and forfeits there: " in result.stderr
+    assert result.stderr.count("it imports rclpy, which is not installed here") == 1  # as for every command
+    assert "warning: mine cannot begin, and forfeits its matches: " in result.stderr
     assert "intervals (? below) need 4 blocks\n" in result.stdout
 
 
@@ -231,9 +261,9 @@ def test_the_best_is_first_and_the_worst_last(tmp_path):
 
 
 def measured_in_all(agent, out):
-    evaluation = Evaluation(SMALL, agent, out, 4, None)
-    evaluation.play(1)
-    return measure(evaluation)
+    setups = tournaments(SMALL, agent, out, 4, None)
+    play(setups, 1, lambda *_: None)
+    return measure(SMALL, setups)
 
 
 def scores_of(measures):

@@ -14,6 +14,7 @@ from catch_arena.suite.contents import (
     SUITE,
 )
 from catch_arena.suite.measures import REFERENCES_FILE, references
+from catch_arena.tournament.parties import Parties
 
 PAGE = (Path(__file__).parents[2] / "docs" / "howto" / "suite.md").read_text()
 SUITES = (SUITE, LADDER)
@@ -60,12 +61,12 @@ def test_the_digest_stands_for_everything(change):
 
 @each_scenario
 def test_the_agent_plays_every_seat_of_a_block_once_on_the_same_targets(suite, scenario):
-    plan = suite.plan(scenario, suite.blocks)
+    plan, parties = suite.plan(scenario, suite.blocks), len(Parties.of(scenario.config))
     blocks = list(plan.blocks())
     assert len(blocks) == suite.blocks
-    assert plan.size == sum(map(len, blocks)) == suite.blocks * len(scenario.parties)
+    assert plan.size == sum(map(len, blocks)) == suite.blocks * parties
     for block in blocks:
-        assert sorted(match.seating.index(0) for match in block) == list(range(len(scenario.parties)))
+        assert sorted(match.seating.index(0) for match in block) == list(range(parties))
         assert all(match.seating.count(0) == 1 for match in block)
         assert len({match.seed for match in block}) == 1
         assert len({tuple(sorted(match.seating)) for match in block}) == 1
