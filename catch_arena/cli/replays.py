@@ -89,7 +89,7 @@ def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help
     If a match does not play as recorded, the first different step is printed, and the exit code is 1. The exit code is
     2 if a file cannot be read.
     """
-    from catch_arena.replay.verification import verify as play_and_compare
+    from catch_arena.replay.comparison import verify as play_and_compare
 
     codes = []
     for path in replays:

@@ -3,7 +3,7 @@
 - recording: `Replay`, a recorded match, and `Recorder` of the episodes of an arena.
 - fileformat: the file of a replay, with codec (columns of whole numbers as bytes).
   named_requests: requests by name, which are judged again.
-- verification: checks if a match plays as recorded. comparison: the first differences of two matches.
+- comparison: checks if a match plays as recorded, and the first differences of two matches.
   motion: poses between two states.
 """
 

@@ -1,19 +1,49 @@
-"""Comparison of two replays: the first differences."""
+"""Comparison of a replay with the match as it plays again (R10.2), and of two replays with each other."""
 
-from collections import deque
-from itertools import islice
+from collections.abc import Callable, Iterable
 from typing import Any, Final
 
-from catch_arena.replay.recording import Replay, state_name
+from catch_arena.replay.recording import Replay, replayed_states, state_name
 from catch_arena.world import HunterState, PreyState, TargetState, World
 
 _MOST_LINES: Final = 12
 
 
+def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -> list[str]:
+    """Play a match again and return all differences; an empty list proves the replay.
+
+    Each state follows from the one before. So if the states differ from some step to the end, the match itself differs:
+    in an action, a setting or a rule. If later states agree again, a digest was altered in the file, or, with prey, it
+    was caught and returned: where it had been has no effect after that.
+
+    Args:
+        replay: the recorded match.
+        progress: called with (steps played, number of steps).
+
+    Returns:
+        a line for each fault.
+    """
+    found: list[str] = []
+    differ: list[int] = []
+    for step, (engine,), agrees in replayed_states(replay):
+        if not agrees:
+            differ.append(step)
+        if not found and engine.ends.item() and step < replay.steps:
+            found = [f"the match ends in {state_name(step)}, but {replay.steps} steps are recorded"]
+        if progress is not None:
+            progress(step, replay.steps)
+    if differ:
+        again = "" if differ[-1] == replay.steps else f"; from {state_name(differ[-1] + 1)} on they agree"
+        found.append(f"the states first differ in {state_name(differ[0])}{again}")
+    return found
+
+
 def replay_differences(first: Replay, second: Replay) -> list[str]:
     """Return a line for each difference of two replays: of headers, first actions, first state with its numbers, and
-    scores; [] for equal replays. `verification.verify` checks that each plays as recorded.
+    scores; [] for equal replays. `verify` checks that each plays as recorded.
     """
+    if first == second:
+        return []
     headers = _header(first), _header(second)
     found = []
     for name in headers[0] | headers[1]:
@@ -24,13 +54,17 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
         if getattr(first.config, kind) != getattr(second.config, kind):
             return [*found, f"with different {kind}, actions and states cannot be compared"]
     found += _first_actions(first, second)
-    found += _first_states(first, second)
+    states: list[str] = []
+    for step, engines, agree in replayed_states(first, second):
+        if not agree and not states:
+            states = _different_states(first, second, step, [engine.world() for engine in engines])
+    found += states
     if first.steps != second.steps:
         found.append(f"steps: {first.steps} in A; {second.steps} in B")
     if found:
-        one, other = (deque(match.engines(), maxlen=1)[0].world() for match in (first, second))
-        of_hunters = ([hunter.score for hunter in world.hunters] for world in (one, other))
-        of_prey = ([prey.times_caught for prey in world.prey] for world in (one, other))
+        worlds = [engine.world() for engine in engines]
+        of_hunters = ([hunter.score for hunter in world.hunters] for world in worlds)
+        of_prey = ([prey.times_caught for prey in world.prey] for world in worlds)
         for kind, (here, there) in (("scores of the hunters", of_hunters), ("catches of each prey", of_prey)):
             if here:
                 found.append(f"final {kind}: {', '.join(map(str, here))} in A; {', '.join(map(str, there))} in B")
@@ -67,17 +101,10 @@ def _first_actions(first: Replay, second: Replay) -> list[str]:
     return []
 
 
-def _first_states(first: Replay, second: Replay) -> list[str]:
-    """Return a line that names the first states that differ, and lines with their numbers, for which both matches are
-    played again up to there; [] if all digests agree.
-    """
-    digests = zip(first.digests, second.digests, strict=False)
-    step = next((step for step, (one, other) in enumerate(digests) if one != other), None)
-    if step is None:
-        return []
+def _different_states(first: Replay, second: Replay, step: int, worlds: Iterable[World]) -> list[str]:
+    """Return a line that names the states after `step` steps, which differ, and lines with their numbers."""
     agents = zip(first.config.hunter_names + first.config.prey_names, first.names, second.names, strict=True)
     labels = {agent: f"{agent} ({name})" for agent, name, twin in agents if agent != name == twin}
-    worlds = (next(islice(match.engines(), step, None)).world() for match in (first, second))
     here, there = map(_bodies, worlds)
     found = []
     for kind, name in here | there:

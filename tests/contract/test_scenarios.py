@@ -6,7 +6,7 @@ from command_line import run
 
 import catch_arena
 from catch_arena.replay import Replay
-from catch_arena.replay.verification import verify
+from catch_arena.replay.comparison import verify
 
 UNCERTAIN = ["wander", "evasive", "fog", "blinkers", "unequal", "dropout"]
 """Scenarios in which something moves, is not seen, differs by seat or leaves."""

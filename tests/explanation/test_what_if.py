@@ -10,7 +10,7 @@ from catch_arena.cli import main
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import Contest, WhatIf, lost_contest_at
 from catch_arena.replay import Replay
-from catch_arena.replay.verification import verify
+from catch_arena.replay.comparison import verify
 
 WINDOW_MS = 2000
 FIRST_STEP = {"hunters": 2, "hunter_poses": ((5.0, 5.0, 0.0), (5.0, 5.0, 0.0)), "initial_targets": 3, "reach_m": 9.0}

@@ -10,7 +10,7 @@ from catch_arena.cli import matches
 from catch_arena.live import match_window
 from catch_arena.render.optional_imports import pygame
 from catch_arena.replay import Replay
-from catch_arena.replay.verification import verify
+from catch_arena.replay.comparison import verify
 from catch_arena.scenarios import SCENARIOS
 
 QUICK = ["--set", "time_limit_s=1"]

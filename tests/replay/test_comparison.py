@@ -100,6 +100,22 @@ def test_a_digest_alone_and_a_length_are_differences(pair):
     assert replay_differences(one, other)[0] == "steps: 80 in A; 79 in B"
 
 
+def test_states_are_compared_as_they_play_too(pair):
+    """An action was edited without its digests: the order of the two files does not matter."""
+    one, other = pair
+    other.commands[22][1] = -one.commands[22][1]
+    for first, second in ((one, other), (other, one)):
+        found = replay_differences(first, second)
+        assert found[1] == "the states first differ in step 23"
+        assert found[2].startswith("step 23: hunter_1 (b): ")
+
+
+def test_a_replay_equals_its_copy_even_if_it_does_not_play_as_recorded(pair):
+    _, edited = pair
+    edited.commands[22][1] = -edited.commands[22][1]
+    assert replay_differences(edited, copy.deepcopy(edited)) == []
+
+
 def test_diff_exits_with_0_1_or_2(play, mixed, catch_arena):
     """Equal, different, unreadable; matches of different sizes are compared by their headers."""
     mixed.save("a.replay")

@@ -26,8 +26,8 @@ from catch_arena import Replay
 from catch_arena.engine import Engine
 from catch_arena.errors import OutputError, ReplayError
 from catch_arena.replay.codec import pack_columns, read_columns
+from catch_arena.replay.comparison import verify
 from catch_arena.replay.fileformat import decode_replay
-from catch_arena.replay.verification import verify
 
 ONE_LINE = r"\A[ -~]+\Z"
 

@@ -10,9 +10,8 @@ from recorded_matches import play_by_name
 from catch_arena import ArenaService, Replay, Ruling, Verdict, explain
 from catch_arena.errors import ActionError
 from catch_arena.messages import CatchTurtleRequest
-from catch_arena.replay.comparison import replay_differences
+from catch_arena.replay.comparison import replay_differences, verify
 from catch_arena.replay.named_requests import NamedRequest
-from catch_arena.replay.verification import verify
 
 
 def comparable(ruling: Ruling) -> str:

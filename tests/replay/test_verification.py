@@ -7,7 +7,7 @@ import pytest
 import catch_arena
 from catch_arena import Replay
 from catch_arena.errors import ReplayError
-from catch_arena.replay.verification import verify
+from catch_arena.replay.comparison import verify
 
 
 def altered(replay: Replay, change) -> Replay:

@@ -9,7 +9,7 @@ from ros.match import TYPES, Match
 from catch_arena.errors import BusError
 from catch_arena.messages import CatchTurtleResponse
 from catch_arena.policy import View
-from catch_arena.replay.verification import verify
+from catch_arena.replay.comparison import verify
 from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.interfaces import (
     EMPTY,

@@ -7,7 +7,7 @@ from ros.bridge import running_bridge
 from ros.processes import own_domain, started
 
 from catch_arena.replay import Replay
-from catch_arena.replay.verification import verify
+from catch_arena.replay.comparison import verify
 
 ARENA = ("--seed", 5, "--set", "time_limit_s=4", "--set", "initial_targets=16")
 

@@ -9,7 +9,7 @@ from ros.local import Hub, LocalBus
 from catch_arena.cli.ros import _print_ranking
 from catch_arena.errors import ConfigError
 from catch_arena.replay import Replay
-from catch_arena.replay.verification import verify
+from catch_arena.replay.comparison import verify
 from catch_arena.ros.middleware.bus import Endpoint
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
 from catch_arena.ros.nodes.rate import Rate

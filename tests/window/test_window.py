@@ -8,7 +8,7 @@ from catch_arena.render.hud import CARD, PANEL
 from catch_arena.render.match_info import HUNTER_COLORS
 from catch_arena.render.viewport import GROUND
 from catch_arena.replay import Replay
-from catch_arena.replay.verification import verify
+from catch_arena.replay.comparison import verify
 
 COMMAND = "from catch_arena.__main__ import main; main()"
 HUMAN = """
