@@ -8,7 +8,8 @@ import typer
 
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
-from catch_arena.cli.outputs import Force, reserve_file
+from catch_arena.cli.options import Listing
+from catch_arena.cli.outputs import Force, Junit, reserve_file
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 from catch_arena.files import write_whole
@@ -39,12 +40,12 @@ def conformance(
     everything: Annotated[
         bool, typer.Option("--all", help="Show every failure in full, instead of one for each kind of mistake.")
     ] = False,
-    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the report as JUnit XML.")] = None,
+    junit: Junit = None,
     force: Force = False,
     verdicts_only: Annotated[
         bool, typer.Option("--verdicts-only", help="Do not compare distances and winners.")
     ] = False,
-    listing: Annotated[bool, typer.Option("--list", help="List the cases, and play none.")] = False,
+    listing: Listing = False,
     service: NodeUnderTestOptions,
 ) -> None:
     """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.

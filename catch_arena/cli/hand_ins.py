@@ -19,8 +19,9 @@ from catch_arena.cli.options import (
     Trust,
     arena,
     print_level,
+    scenario_option,
 )
-from catch_arena.cli.outputs import Force, reserve_file
+from catch_arena.cli.outputs import Force, Json, Junit, reserve_file
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import ConfigError
 from catch_arena.files import write_whole
@@ -38,10 +39,7 @@ if TYPE_CHECKING:
 def check_agent(
     agent: Agent,
     *,
-    scenarios: Annotated[
-        list[str] | None,
-        typer.Option("--scenario", "-s", metavar="NAME", help="Scenario to play; may be repeated.", show_default="all"),
-    ] = None,
+    scenarios: Annotated[list[str] | None, scenario_option("; may be repeated", "all")] = None,
     trust: Trust,
     settings: SettingOption = None,
 ) -> None:
@@ -107,8 +105,8 @@ def grade(
     ],
     *,
     spec: Annotated[Path, typer.Option(metavar="FILE", help="Spec of the tests (see `catch-arena docs grading`).")],
-    junit: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JUnit XML.")] = None,
-    json: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the grades as JSON.")] = None,
+    junit: Junit = None,
+    json: Json = None,
     seeds: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Write the seeds of all matches as JSON: for teachers, not for students."),

@@ -31,7 +31,15 @@ _AGENT: Final = (
 Agents = Annotated[list[str], typer.Argument(metavar="AGENT...", help=_AGENT)]
 Agent = Annotated[str, typer.Argument(metavar="AGENT", help=_AGENT)]
 Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
-Scenario = Annotated[str, typer.Option("--scenario", "-s", help="Scenario to play (see `catch-arena scenarios`).")]
+
+
+def scenario_option(more: str = "", usual: str | bool = True) -> Any:
+    """Return the option --scenario, with more words in its help, and with words for its default."""
+    help_ = f"Scenario to play (see `catch-arena scenarios`){more}."
+    return typer.Option("--scenario", "-s", metavar="NAME", help=help_, show_default=usual)
+
+
+Scenario = Annotated[str, scenario_option()]
 SettingOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -41,6 +49,7 @@ SettingOption = Annotated[
         "may be repeated.",
     ),
 ]
+Listing = Annotated[bool, typer.Option("--list", help="Print the list only, and write no file.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue an interrupted run in DIR, if there is one.")]
 Jobs = Annotated[
     int | None,

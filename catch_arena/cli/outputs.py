@@ -12,7 +12,8 @@ from catch_arena.errors import ConfigError, OutputError
 from catch_arena.files import prepare_folder, regular_file, unwritable
 
 Force = Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")]
-
+Junit = Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the results as JUnit XML.")]
+Json = Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the results as JSON.")]
 
 REPLAY: Final = ".replay"
 PAGE: Final = ".html"
@@ -22,9 +23,9 @@ _RESERVED: Final[list[Path]] = []
 """Files that the running command has reserved."""
 
 
-def output_option(help_: str, usual: str, **more: Any) -> Any:
-    """Return the option --output of a command that has a usual name for its file."""
-    return typer.Option("--output", "-o", help=help_, show_default=usual, **more)
+def output_option(help_: str, usual: str | bool = True, metavar: str = "FILE") -> Any:
+    """Return the option --output of a command; `usual` describes the name that is used without it, if there is one."""
+    return typer.Option("--output", "-o", help=help_, metavar=metavar, show_default=usual)
 
 
 @contextmanager

@@ -23,7 +23,16 @@ from catch_arena.cli.bus import (
     parameters_from,
 )
 from catch_arena.cli.matches import print_ranking
-from catch_arena.cli.options import ArenaSeed, Recorded, SettingOption, Trust, arena, enter_agents
+from catch_arena.cli.options import (
+    ArenaSeed,
+    Listing,
+    Recorded,
+    SettingOption,
+    Trust,
+    arena,
+    enter_agents,
+    scenario_option,
+)
 from catch_arena.cli.outputs import REPLAY, VIDEO, VIDEO_HELP, Force, output_option, reserve_file
 from catch_arena.cli.replays import Picture, load_replay, write_video
 from catch_arena.cli.terminal import echo, progress_bar
@@ -57,6 +66,7 @@ _OWN_SETTINGS = {
     "observed_targets": "agents see every target on a bus",
 }
 """Settings that --set cannot change in `serve`, each with the reason."""
+Reach = Annotated[float, typer.Option(metavar="METRES", help="Catch distance [m].")]
 NODE, HUMAN = "ros", "human"
 """Words for seats that nodes drive: a node that requests its targets, and a node that only drives."""
 EXERCISE = "exercise"
@@ -76,15 +86,7 @@ def serve(
             show_default="ros",
         ),
     ] = None,
-    scenario: Annotated[
-        str | None,
-        typer.Option(
-            "--scenario",
-            "-s",
-            help="Scenario to play (see `catch-arena scenarios`).",
-            show_default="exercise, with hunters up to the last --seat",
-        ),
-    ] = None,
+    scenario: Annotated[str | None, scenario_option(usual="exercise, with hunters up to the last --seat")] = None,
     seed: ArenaSeed = None,
     speed: Annotated[
         float, typer.Option(help="Simulation speed: 1 is real time; at other speeds /clock has the simulated time.")
@@ -197,7 +199,7 @@ def spawner(
         list[str] | None,
         typer.Option(metavar="NAME", help="Turtle that hunts; may be repeated.", show_default=TURTLE),
     ] = None,
-    reach: Annotated[float, typer.Option(metavar="METRES", help="Catch distance [m].")] = 0.5,
+    reach: Reach = 0.5,
     bus: Bus,
     ros_args: RosArgs = None,
 ) -> None:
@@ -263,8 +265,8 @@ def import_(
     *,
     output: Annotated[Path | None, output_option(VIDEO_HELP, "an MP4 file next to the bag")] = None,
     force: Force = False,
-    listing: Annotated[bool, typer.Option("--list", help="Print the rulings, and write no video.")] = False,
-    reach: Annotated[float, typer.Option(metavar="M", help="Catch distance by which the arbiter judges [m].")] = 0.3,
+    listing: Listing = False,
+    reach: Reach = 0.3,
     picture: Picture,
 ) -> None:
     """Make a video of a recording of turtlesim, and show how the arbiter would have judged each catch."""

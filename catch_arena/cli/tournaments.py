@@ -316,7 +316,7 @@ def report(
 def export(
     folder: Folder,
     *,
-    output: Annotated[Path, typer.Option("--output", "-o", metavar="FILE", help="File to write.")],
+    output: Annotated[Path, output_option("File to write.")],
     form: Annotated[
         Literal["jsonl", "csv", "parquet"] | None,
         typer.Option(
