@@ -41,10 +41,12 @@ def league(
             help="A new version plays until the 95 % interval of its rating is at most this wide to either side.",
         ),
     ] = 100.0,
-    max_matches: Annotated[int, typer.Option(min=1, help="Maximum number of matches of a version until then.")] = 200,
+    max_matches: Annotated[
+        int, typer.Option(metavar="N", min=1, help="Maximum number of matches of a version until then.")
+    ] = 200,
     secret_opponents: Annotated[
         Path | None,
-        typer.Option(metavar="FOLDER", help="Folder with further opponents, whose names are not shown."),
+        typer.Option(metavar="DIR", help="Folder with further opponents, whose names are not shown."),
     ] = None,
     seed: Seed = None,
     cores: Cores,

@@ -53,7 +53,9 @@ Listing = Annotated[bool, typer.Option("--list", help="Print the list only, and 
 Resume = Annotated[bool, typer.Option("--resume", help="Continue an interrupted run in DIR, if there is one.")]
 Jobs = Annotated[
     int | None,
-    typer.Option("--jobs", "-j", min=1, help="Number of processes that play.", show_default="number of cores"),
+    typer.Option(
+        "--jobs", "-j", metavar="N", min=1, help="Number of processes that play.", show_default="number of cores"
+    ),
 ]
 Seed = Annotated[
     str | None,

@@ -43,12 +43,16 @@ class Picture:
     ] = None
     shape: Annotated[
         Literal["landscape", "portrait", "square"] | None,
-        typer.Option(help="Shape of the frames.", show_default="that of the size, or landscape"),
+        typer.Option(
+            metavar="SHAPE",
+            help="Shape of the frames: landscape, portrait or square.",
+            show_default="landscape, or that of --size",
+        ),
     ] = None
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")] = None
     captions: Annotated[
         Literal["plain", "clauses", "none"],
-        typer.Option(help="Captions in plain words, with clauses of the rulebook, or none."),
+        typer.Option(metavar="KIND", help="plain captions, the same with clauses of the rulebook, or none."),
     ] = "plain"
 
     def arguments(self) -> dict[str, Any]:
@@ -65,7 +69,8 @@ class Film(Picture):
     """Options for the video of a match, or of a part of it."""
 
     layout: Annotated[
-        Literal["broadcast", "arena"], typer.Option(help="Show the scores next to the arena, or the arena alone.")
+        Literal["broadcast", "arena"],
+        typer.Option(metavar="LAYOUT", help="broadcast shows the scores next to the arena, arena the arena alone."),
     ] = "broadcast"
     speed: Speed = 1.0
     start_s: Annotated[

@@ -69,6 +69,7 @@ def tournament(
     max_matches: Annotated[
         int | None,
         typer.Option(
+            metavar="N",
             min=1,
             help="Maximum number of matches in a round; with --until-separated, in all rounds together.",
             show_default="20000; 10000 with --until-separated",
