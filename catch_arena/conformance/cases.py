@@ -114,6 +114,16 @@ class ArbiterCase(Case, frozen=True, kw_only=True):
         """The other arguments of `arbitrate`: every key of DEFAULTS."""
         return {key: getattr(self, key) for key in DEFAULTS}
 
+    @property
+    def unusual(self) -> list[str]:
+        """Names of the circumstances that differ from the defaults."""
+        return [key for key, value in self.circumstances.items() if value != DEFAULTS[key]]
+
+    @property
+    def size(self) -> int:
+        """Number of hunters, targets, requests, and unusual circumstances."""
+        return len(self.hunters) + len(self.targets) + len(self.expected) + len(self.unusual)
+
     def arguments(self) -> dict[str, Any]:
         """Return the keyword arguments of `arbitrate`, in new containers, since the code under test may change them.
 
@@ -180,6 +190,11 @@ class ArenaCase(Case, frozen=True, kw_only=True):
         """The given settings of the arena, with the number of hunters, in new containers."""
         given = {"hunters": 1} | deepcopy(self.given)
         return {key: None if value == NEVER else value for key, value in given.items()}
+
+    @property
+    def size(self) -> int:
+        """Number of settings, and of parts of the play."""
+        return len(self.given) + len(self.play)
 
 
 class _File(_Table, frozen=True, kw_only=True):

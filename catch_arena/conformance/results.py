@@ -13,13 +13,13 @@ from typing import Final
 import msgspec
 
 from catch_arena.conformance.adjudicator_calls import KINDS, OF_GRANTS, Difference, NoRuling
-from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
+from catch_arena.conformance.cases import ArbiterCase, ArenaCase, CaseStep, ExpectedRuling
 from catch_arena.conformance.comparison import Compared
 from catch_arena.files import tomllib
 from catch_arena.text import shortened
 
 _WIDTH: Final = 80
-"""Longest line of a report, unless a word is longer [characters]."""
+"""Longest line of a report [characters]."""
 _BRIEF_DIFFERENCES, _BRIEF_LINES = 2, 3
 """Limits of a brief description of a case: the number of differences, and the lines of each other paragraph."""
 _TOLERATED: Final = 0.1
@@ -129,40 +129,46 @@ class Diagnosis:
     rule: str
     """The rulebook's rule, or ""."""
     failures: tuple[Failure, ...]
-    """The failed cases, in the order of the suite."""
+    """The failed cases: those of the strongest kind first, and of these the smallest one."""
     known: bool = False
     """True if an arbiter with a known mistake fails these cases."""
 
+    @property
+    def weakness(self) -> int:
+        """Place of the strongest kind of its failures: 0 for wrong grants."""
+        return _WEAKNESS[self.failures[0].kind]
+
 
 def diagnose(results: Sequence[Result], compared: Compared) -> tuple[Diagnosis, ...]:
-    """Return diagnoses that contain each failure once: errors and unreadable answers, known mistakes, then clauses.
+    """Return diagnoses that contain each failure once: known mistakes, errors and unreadable answers, and clauses.
 
-    In each of these three kinds, wrong grants come before wrong verdicts and those before wrong evidence, and then the
-    diagnosis with the most failures comes first.
+    In each of these three groups, wrong grants come before wrong verdicts and those before wrong evidence. Then known
+    mistakes are in the order of their table, and of the others the one with the most failures comes first.
     """
-    failures = {result.case.id: result.failure for result in results if result.failure is not None}
-    groups: dict[tuple[str, str], list[Failure]] = {}
+    found = [result.failure for result in results if result.failure is not None]
+    unreadable: dict[tuple[str, str], list[Failure]] = {}
     judged = {}
-    for id_, failure in failures.items():
+    for failure in sorted(found, key=_weakness_and_size):
         difference = failure.differences[0]
         if isinstance(difference, NoRuling):
-            groups.setdefault((difference.looks_like, difference.rule), []).append(failure)
+            unreadable.setdefault((difference.looks_like, difference.rule), []).append(failure)
         else:
-            judged[id_] = failure
-    unreadable = [Diagnosis(*kind, tuple(group)) for kind, group in groups.items()]
+            judged[failure.case.id] = failure
     passed = {result.case.id for result in results if result.played and result.failure is None}
-    known = _known(judged, passed, compared)
-    explained = {failure.case.id for diagnosis in known for failure in diagnosis.failures}
-    clauses: dict[str, list[Failure]] = {}
+    diagnoses = _known(judged, passed, compared)
+    explained = {failure.case.id for diagnosis in diagnoses for failure in diagnosis.failures}
+    by_clause: dict[tuple[str, str], list[Failure]] = {}
     for id_, failure in judged.items():
         if id_ not in explained:
-            clauses.setdefault(failure.case.clauses[0], []).append(failure)
-    by_clause = [Diagnosis(clause, "", tuple(group)) for clause, group in clauses.items()]
-    return tuple(one for kind in (unreadable, known, by_clause) for one in sorted(kind, key=_weakness_and_number))
+            by_clause.setdefault((failure.case.clauses[0], ""), []).append(failure)
+    for groups in (unreadable, by_clause):
+        others = [Diagnosis(*cause, tuple(group)) for cause, group in groups.items()]
+        diagnoses += sorted(others, key=lambda one: (one.weakness, -len(one.failures)))
+    return tuple(diagnoses)
 
 
-def _weakness_and_number(diagnosis: Diagnosis) -> tuple[int, int]:
-    return min(_WEAKNESS[failure.kind] for failure in diagnosis.failures), -len(diagnosis.failures)
+def _weakness_and_size(failure: Failure) -> tuple[int, int]:
+    return _WEAKNESS[failure.kind], failure.case.size + bool(failure.variation)
 
 
 def _known(failed: Mapping[str, Failure], passed: set[str], compared: Compared) -> list[Diagnosis]:
@@ -178,17 +184,17 @@ def _known(failed: Mapping[str, Failure], passed: set[str], compared: Compared) 
         contradicted = len(weaker) + len(kinds.keys() & passed)
         if contradicted <= _TOLERATED * len(explained):
             fitting.append((mistake, explained, contradicted))
-    left, found = set(failed), list[Diagnosis]()
+    left, found = set(failed), dict[str, Diagnosis]()
     while fitting:
         mistake, ids, contradicted = max(fitting, key=lambda fit: len(fit[1] & left) - fit[2])
         new = ids & left
         if len(new) <= contradicted:
             break
-        found.append(
-            Diagnosis(mistake.looks_like, mistake.rule, tuple(failed[id_] for id_ in failed if id_ in new), True)
-        )
+        failures = tuple(failed[id_] for id_ in failed if id_ in new)
+        found[mistake.looks_like] = Diagnosis(mistake.looks_like, mistake.rule, failures, known=True)
         left -= new
-    return found
+    in_table_order = [found[mistake.looks_like] for mistake, *_ in fitting if mistake.looks_like in found]
+    return sorted(in_table_order, key=lambda one: one.weakness)
 
 
 def wrapped(text: str, indent: str = "", max_lines: int | None = None) -> str:
@@ -199,7 +205,6 @@ def wrapped(text: str, indent: str = "", max_lines: int | None = None) -> str:
         initial_indent=indent,
         subsequent_indent=f"{indent}  ",
         break_on_hyphens=False,
-        break_long_words=False,
         max_lines=max_lines,
         placeholder=" ...",
     )
@@ -210,7 +215,7 @@ def _position(case: ArbiterCase) -> str:
     hunters = [f"hunter {seat} at ({x}, {y})" for seat, (x, y) in enumerate(case.hunters)]
     targets = [f"{shortened(name)} at ({x}, {y})" for name, (x, y) in case.targets.items()]
     given = case.arguments()
-    unusual = [f"{key} = {given[key]!r}" for key, value in case.circumstances.items() if value != DEFAULTS[key]]
+    unusual = [f"{key} = {given[key]!r}" for key in case.unusual]
     return "; ".join([*hunters, *targets, *unusual]) or "no hunters and no targets"
 
 

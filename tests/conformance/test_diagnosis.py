@@ -107,6 +107,52 @@ def test_a_students_arbiter_is_told_its_mistakes_on_one_page(student, named, evi
     assert f'looks like "{named}"' in words
 
 
+def test_the_real_mistake_comes_before_exceptions_and_what_is_missing():
+    """A student wrote <= for reach, and thought of names and of one reach only."""
+
+    def inclusive(*, hunters: Any, targets: Any, requests: Any, reach_m: Any, **_: Any) -> list[Any]:
+        away = [math.dist(hunters[hunter], targets[name]) for hunter, name in requests]
+        rulings = []
+        for (hunter, name), metres in zip(requests, away, strict=True):
+            rivals = [(other, seat) for (seat, wanted), other in zip(requests, away, strict=True) if wanted == name]
+            _, winner = min(rivals)
+            if metres > reach_m:
+                rulings.append(("OUT_OF_REACH", hunter, name, round(1e6 * metres)))
+            else:
+                verdict = "GRANTED" if hunter == winner else "LOST_CONTEST"
+                rulings.append((verdict, hunter, name, round(1e6 * metres), winner))
+        return rulings
+
+    report = run_conformance(inclusive)
+    assert report.diagnoses[0].looks_like == "reach is tested in floats, with <="
+    assert str(report).splitlines()[3].startswith("FAILED reach.300000-is-out ")
+    kinds = [one.known for one in report.diagnoses]
+    assert kinds == sorted(kinds, reverse=True)
+    assert any("Error is raised" in one.looks_like for one in report.diagnoses)
+
+
+@pytest.mark.parametrize(
+    ("mistake", "shown"),
+    [
+        ("first come, first served", "claimants.two"),
+        ("a refused kill is GRANTED", "outages.kill-refused"),
+    ],
+)
+def test_the_smallest_case_of_the_strongest_kind_is_shown(mistake, shown):
+    report = run_conformance(KNOWN[mistake])
+    assert report.diagnoses[0].failures[0].case.id == shown
+    assert f"FAILED {shown} " in str(report)
+
+
+def test_a_long_word_is_broken():
+    def long_winded(**_: Any) -> Any:
+        raise ValueError("turtle" * 30)
+
+    text = str(run_conformance(long_winded, only=["claimants.two"]))
+    assert max(map(len, text.splitlines())) == 80
+    assert "turtle" * 30 in "".join(text.split())
+
+
 def test_a_lot_that_always_falls_alike_is_told_though_the_evidence_is_missing():
     """Wrong verdicts come before missing evidence, whichever variant has them."""
 
