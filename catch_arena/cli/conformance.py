@@ -8,7 +8,7 @@ import typer
 
 from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
-from catch_arena.cli.options import Listing
+from catch_arena.cli.options import listing_option
 from catch_arena.cli.outputs import Force, Junit, reserve_file
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
@@ -45,7 +45,7 @@ def conformance(
     verdicts_only: Annotated[
         bool, typer.Option("--verdicts-only", help="Do not compare distances and winners.")
     ] = False,
-    listing: Listing = False,
+    listing: Annotated[bool, listing_option("the cases")] = False,
     service: NodeUnderTestOptions,
 ) -> None:
     """Test an arbiter with the conformance suite: exit code 0 if it answers every case as the rulebook does, else 1.

@@ -39,6 +39,11 @@ def scenario_option(more: str = "", usual: str | bool = True) -> Any:
     return typer.Option("--scenario", "-s", metavar="NAME", help=help_, show_default=usual)
 
 
+def listing_option(what: str) -> Any:
+    """Return the option --list, which lists these things and does nothing else."""
+    return typer.Option("--list", help=f"Only list {what}.")
+
+
 Scenario = Annotated[str, scenario_option()]
 SettingOption = Annotated[
     list[str] | None,
@@ -49,7 +54,6 @@ SettingOption = Annotated[
         "may be repeated.",
     ),
 ]
-Listing = Annotated[bool, typer.Option("--list", help="Print the list only, and write no file.")]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue an interrupted run in DIR, if there is one.")]
 Jobs = Annotated[
     int | None,

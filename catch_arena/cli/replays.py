@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
 import typer
 
 from catch_arena.cli.app import EXIT_ERROR, EXIT_NO, main
-from catch_arena.cli.options import Listing, Recorded
+from catch_arena.cli.options import Recorded, listing_option
 from catch_arena.cli.outputs import PAGE, VIDEO, VIDEO_HELP, Force, output_option, reserve_file, reserve_free_file
 from catch_arena.cli.terminal import WIDE, echo, own_console, progress_bar
 from catch_arena.errors import ConfigError, ReplayError
@@ -331,7 +331,7 @@ def highlights(
     output: Annotated[Path | None, output_option(VIDEO_HELP, "highlights.mp4, or highlights-2.mp4 ...")] = None,
     force: Force = False,
     count: Annotated[int, typer.Option(metavar="N", min=1, help="Maximum number of moments.")] = 8,
-    listing: Listing = False,
+    listing: Annotated[bool, listing_option("the moments, the best last")] = False,
     picture: Picture,
 ) -> None:
     """Find the moments of a folder's matches that are worth seeing, and make a video of them.

@@ -25,12 +25,12 @@ from catch_arena.cli.bus import (
 from catch_arena.cli.matches import print_ranking
 from catch_arena.cli.options import (
     ArenaSeed,
-    Listing,
     Recorded,
     SettingOption,
     Trust,
     arena,
     enter_agents,
+    listing_option,
     scenario_option,
 )
 from catch_arena.cli.outputs import REPLAY, VIDEO, VIDEO_HELP, Force, output_option, reserve_file
@@ -265,7 +265,7 @@ def import_(
     *,
     output: Annotated[Path | None, output_option(VIDEO_HELP, "an MP4 file next to the bag")] = None,
     force: Force = False,
-    listing: Listing = False,
+    listing: Annotated[bool, listing_option("the rulings")] = False,
     reach: Reach = 0.3,
     picture: Picture,
 ) -> None:
