@@ -11,8 +11,7 @@ chunks.
 - Memory: rows (those of an arena), state (settings, and views of the rows), memory (an engine's bytes, with scratch of
   each thread).
 - The phases: controllers, targets, dropouts, catching with arbiter, physics, spawner, rewards; prey: chapter 12's.
-- Views: observations, features (of each body), tiles (numbers of each body), ranking (order), visibility (limits and
-  noise), prey_views.
+- Views: observations, features (of each body), ranking (order), visibility (limits and noise), prey_views.
 - math, random: functions and random numbers with the same bits on every machine.
 - vectors, transfers: several arenas in one instruction, and numbers moved between arrays.
 - modes: whether the core is compiled, and how. jit, compiler: compilation. cache, cache_folder: compiled code on the
@@ -39,5 +38,5 @@ Parameters that have the same meaning in every function; docstrings do not repea
 - requested and active_targets: see `controllers.look_up_choices`. reference: the progress reference of a seat, or that
   of a prey, see `memory.Sections`. rewards and parts: see `rewards`. keys: sorting keys, rows of LANES. tied: one row
   of flags, see `ranking.any_tied`. ranks: number of bodies that are seen.
-- place: place at which observations are written, see `transfers.Place`. tiles: see tiles.py.
+- place: place at which observations are written, see `transfers.Place`. tiles: see features.py.
 """

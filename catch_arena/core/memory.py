@@ -80,9 +80,9 @@ class Sections(NamedTuple):
     positions: Annotated[Float64s, Shape("threads", MOST * 2 * len(WIDE))]
     """Positions of the hunters, in one group of lanes: see `ranking.note_positions`."""
     target_tiles: Annotated[Float64s, Shape("threads", (MOST + 1) * len(WIDE) * TILE)]
-    """Tiles of the targets in one group of lanes, by slot and lane: see tiles.py."""
+    """Tiles of the targets in one group of lanes, by slot and lane: see features.py."""
     body_tiles: Annotated[Float64s, Shape("threads", (MOST + 1) * len(WIDE) * TILE)]
-    """Tiles of the hunters, or of all prey, in one group of lanes, by index and lane: see tiles.py."""
+    """Tiles of the hunters, or of all prey, in one group of lanes, by index and lane: see features.py."""
     staging: Annotated[Float32s, Shape("threads", "staging")]
     """Observations of one group of lanes, in the order of the memory."""
     requests: Annotated[Int64s, Shape("threads", "hunters", REQUEST_COLUMNS)]

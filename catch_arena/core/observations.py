@@ -8,11 +8,20 @@ from numpy.typing import NDArray
 from catch_arena.core import rows
 from catch_arena.core.addresses import flat
 from catch_arena.core.features import (
+    TILE_NUMBER,
+    TILE_X,
+    TILE_Y,
+    body_of_tile,
+    body_tile,
     in_frame_of,
     moving_target_seen,
+    put_rank,
     rival_seen,
+    target_of_tile,
     target_seen,
     team_rival_seen,
+    tile_hunters,
+    tile_targets,
     time_left_at,
 )
 from catch_arena.core.jit import Rows, outlined, phase, rule
@@ -34,17 +43,6 @@ from catch_arena.core.state import (
     seat_of,
     targets_of,
     targets_ranked,
-)
-from catch_arena.core.tiles import (
-    TILE_NUMBER,
-    TILE_X,
-    TILE_Y,
-    body_of_tile,
-    body_tile,
-    put_rank,
-    target_of_tile,
-    tile_hunters,
-    tile_targets,
 )
 from catch_arena.core.transfers import (
     PREFETCHED,

@@ -8,12 +8,11 @@ from typing import Final
 
 from catch_arena.core import rows
 from catch_arena.core.addresses import flat
-from catch_arena.core.features import body_seen, time_left_at
+from catch_arena.core.features import body_of_tile, body_seen, body_tile, put_rank, put_tile, time_left_at
 from catch_arena.core.jit import Rows, outlined, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.ranking import FAR, NO_OBSERVER, Bodies, body_in, item_of, key_of, order_bodies
 from catch_arena.core.state import ABSENT, Settings, prey_of, seat_at
-from catch_arena.core.tiles import body_of_tile, body_tile, put_rank, put_tile
 from catch_arena.core.transfers import Place, put_rows, take_tile
 from catch_arena.core.vectors import LANES, Width, group, long, select
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
@@ -56,7 +55,7 @@ def write_bodies(
     """R12.4: write one prey's view of bodies, in the lanes of one group.
 
     Args:
-        is_last: whether the last rank has the last columns of the observation: see `tiles.put_rank`.
+        is_last: whether the last rank has the last columns of the observation: see `features.put_rank`.
         sections: see `memory.Sections`; its keys are the result of `rank_bodies`.
     """
     lane = group(first, width)

@@ -8,11 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.core import rows
-from catch_arena.core.features import body_seen
+from catch_arena.core.features import body_seen, body_tile
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.memory import Sections
 from catch_arena.core.state import ABSENT, MOST, Order, Settings, seat_of
-from catch_arena.core.tiles import body_tile
 from catch_arena.core.vectors import LANES, Width, any_of, byte, group, select, single_bits, truncate
 from catch_arena.core.visibility import is_seen
 

@@ -21,7 +21,7 @@ STREAMED: Final = 8
 PREFETCHED: Final = 8
 """Number of float64 in a cache line, which `prefetch` requests."""
 TILE: Final = 8
-"""Number of float64 in a tile, which is a cache line: see `tiles`."""
+"""Number of float64 in a tile, which is a cache line: see `features`."""
 
 
 class Place(NamedTuple):

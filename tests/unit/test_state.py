@@ -6,7 +6,7 @@ from oracle.arithmetic import to_float32
 
 from catch_arena.config import MAX_HUNTERS, MAX_PREY, MAX_TARGETS
 from catch_arena.core import state
-from catch_arena.core.tiles import BodyTile, TargetTile
+from catch_arena.core.features import BodyTile, TargetTile
 from catch_arena.core.transfers import TILE
 from catch_arena.layout import (
     columns,
