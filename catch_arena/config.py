@@ -312,6 +312,11 @@ class ArenaConfig:
         return self._for_each(self.max_speed_mps)
 
     @property
+    def min_speeds(self) -> tuple[float, ...]:
+        """R2.5: each seat's lowest linear velocity [m/s]: -v_max, or 0 if hunters may not drive backwards."""
+        return tuple(-speed if self.reverse else 0.0 for speed in self.max_speeds)
+
+    @property
     def max_turn_rates(self) -> tuple[float, ...]:
         """R2.7: each seat's w_max [rad/s]."""
         return self._for_each(self.max_turn_rate_radps)

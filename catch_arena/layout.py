@@ -70,8 +70,7 @@ def _seen_distance(config: ArenaConfig) -> tuple[float, float]:
 
 def _speeds(config: ArenaConfig) -> tuple[float, float]:
     """Return the bounds of a hunter's linear velocity [m/s]."""
-    fastest = max(config.max_speeds)
-    return -fastest if config.reverse else 0.0, fastest
+    return min(config.min_speeds), max(config.max_speeds)
 
 
 def _target_speeds(config: ArenaConfig) -> tuple[float, float]:

@@ -82,7 +82,7 @@ class Limits:
             side_m=config.side_m,
             reach_m=config.reaches[seat],
             max_speed_mps=config.max_speeds[seat],
-            min_speed_mps=-config.max_speeds[seat] if config.reverse else 0.0,
+            min_speed_mps=config.min_speeds[seat],
             max_turn_rate_radps=config.max_turn_rates[seat],
             control_period_ms=config.control_period_ms,
             time_limit_s=config.time_limit_ms / 1000.0,

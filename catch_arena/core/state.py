@@ -1,6 +1,6 @@
 """Settings of an arena as the core reads them, and views of a chunk's parts."""
 
-from typing import ClassVar, Final, NamedTuple
+from typing import Annotated, ClassVar, Final, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,12 +117,15 @@ def options_of(s: Settings) -> Options:
 
 
 class SeatLimits(NamedTuple):
-    """R2.5, R2.7, R5.3: limits of one hunter: speeds [m/s], a turn rate [rad/s], and a reach [micrometres]."""
+    """R2.5, R2.7, R5.3: limits of one hunter: speeds [m/s], a turn rate [rad/s], and a reach [micrometres].
 
-    max_speed: float
-    min_speed: float
-    max_turn_rate: float
-    reach_um: float
+    Each is annotated with the property of `ArenaConfig` that has the limits of all seats.
+    """
+
+    max_speed: Annotated[float, "max_speeds"]
+    min_speed: Annotated[float, "min_speeds"]
+    max_turn_rate: Annotated[float, "max_turn_rates"]
+    reach_um: Annotated[float, "reaches_um"]
 
 
 MOST: Final = 64

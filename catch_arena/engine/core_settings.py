@@ -73,18 +73,8 @@ def _spawned_in_full(config: ArenaConfig) -> float:
 
 def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
     """R2.5, R2.7: return the limits of every seat, as the core reads them: (H, 4)."""
-    limits = zip(config.max_speeds, config.max_turn_rates, config.reaches_um, strict=True)
-    return np.array(
-        [
-            SeatLimits(
-                max_speed=float(speed),
-                min_speed=-float(speed) if config.reverse else 0.0,
-                max_turn_rate=float(turn_rate),
-                reach_um=float(reach_um),
-            )
-            for speed, turn_rate, reach_um in limits
-        ]
-    )
+    limits = [getattr(config, kind.__metadata__[0]) for kind in SeatLimits.__annotations__.values()]
+    return np.array(limits, dtype=np.float64).T
 
 
 def sizes_of(

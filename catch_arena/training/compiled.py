@@ -57,7 +57,7 @@ _STILL, _TEAMLESS = len(TargetFeatures._fields), len(RivalFeatures._fields)
 _OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
 _PRESENT: Final = MovingTargetFeatures._fields.index("present")  # and of rivals
 _TARGET, _RIVAL = (np.dtype([(name, float) for name in of._fields]) for of in (MovingTargetFeatures, TeamRivalFeatures))
-_STANDING: Final = MovingTargetFeatures(0, 0, 0, 0, 0, heading_cos=1, heading_sin=0, linear_velocity=0)
+_STANDING: Final = [float(name == "heading_cos") for name in MovingTargetFeatures._fields]
 
 
 def ranks_for_each(choose: Decide, view: BatchView) -> NDArray[np.int64]:
