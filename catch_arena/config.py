@@ -110,7 +110,7 @@ class ArenaConfig:
     """All settings of an arena; equal configs play equal matches (R10.1)."""
 
     hunters: int = 4
-    """Number of hunters, 1 to 64."""
+    """R2.6: number of hunters, 1 to 64."""
     control: Control | tuple[Control, ...] = "target"
     """R4.1, R4.4: kind of control, for all hunters or for each seat."""
     side_m: float = TURTLESIM_SIDE_M
@@ -178,7 +178,7 @@ class ArenaConfig:
     time_limit_s: float = 60.0
     """R1.5: time limit; the episode is truncated at the first step boundary at or past it."""
     max_cycles: int | None = None
-    """Length of the episode in steps, PettingZoo's word for it; it replaces time_limit_s unless it is None."""
+    """R1.5: length of the episode in steps, PettingZoo's word for it; it replaces time_limit_s unless it is None."""
     dropout_rate: float = 0.0
     """R1.7: probability that a hunter drops out in a step."""
     dropouts: Dropouts = "leave"

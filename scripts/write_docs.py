@@ -68,11 +68,7 @@ def limits_table(kind: type[Limits | PreyLimits]) -> str:
 
 
 def settings() -> Iterator[tuple[int, str]]:
-    """Yield every setting, with its chapter of the rulebook and its row of docs/reference/settings.md.
-
-    A setting without a clause has the chapter of the setting before it. All need a docstring.
-    """
-    chapter = 2  # of the first setting, `hunters`: chapter 2 has the starts
+    """Yield every setting, with its chapter of the rulebook and its row of docs/reference/settings.md."""
     kinds, words = get_type_hints(ArenaConfig), words_below(ArenaConfig)
     for field in fields(ArenaConfig):
         kind: Any = kinds[field.name]
@@ -84,17 +80,15 @@ def settings() -> Iterator[tuple[int, str]]:
                 yield chapter_of(clause), f"| {' | '.join(row)} | {clause}: {meaning[0].lower()}{meaning[1:]} |"
             continue
         meaning = words[field.name]
-        chapter = chapter_of(meaning) or chapter
         if choices := words_of(kind):
             meaning += f" One of {', '.join(f'`{word}`' for word in choices)}."
         row = (f"`{field.name}`", UNITS.get(field.name.rpartition("_")[2], ""), shown(field.default))
-        yield chapter, f"| {' | '.join(row)} | {meaning} |"
+        yield chapter_of(meaning), f"| {' | '.join(row)} | {meaning} |"
 
 
 def chapter_of(words: str) -> int:
-    """Return the chapter of the clause at the beginning of the words, or 0 without one."""
-    clause = re.match(r"R(\d+)\.", words)
-    return 0 if clause is None else int(clause[1])
+    """Return the chapter of the clause at the beginning of the words, which must have one."""
+    return int(re.match(r"R(\d+)\.", words)[1])  # type: ignore[index]
 
 
 def words_of(kind: Any) -> tuple[str, ...]:
