@@ -1,7 +1,7 @@
 """Observations for a network in an arena of another width than its training arena, with columns matched by name."""
 
 from functools import lru_cache
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,9 +14,15 @@ from catch_arena.policy import AnyLimits, Limits, PreyLimits, PreyView, Side, Vi
 from catch_arena.scenarios import scenario
 from catch_arena.text import shortened
 
+_FIRST_COLUMNS: Final = (
+    "x y heading_cos heading_sin linear_velocity angular_velocity time_left score distance_integral bearing_integral "
+    "forward left present age active score_difference mate times_caught alive"
+)
+"""Names of the columns that the networks in agents/ were trained with, without the ranks."""
+
 
 def fit_observation(
-    view: View | BatchView | PreyView | PreyBatchView, trained: str | ArenaConfig
+    view: View | BatchView | PreyView | PreyBatchView, trained: str | ArenaConfig, inputs: int | None = None
 ) -> NDArray[np.float32]:
     """Return an observation with the columns of the arena that a network was trained in.
 
@@ -27,6 +33,8 @@ def fit_observation(
     Args:
         view: the view of one hunter or prey, or of many (...).
         trained: the scenario, or the config, that the network was trained in.
+        inputs: the network's width. If it is not that of `trained`, columns newer than the networks in agents/ are
+            left out.
 
     Returns:
         the observation: (D,) for one, (..., D) for many; D is the width of `trained`, for prey that of prey's view.
@@ -37,7 +45,7 @@ def fit_observation(
     given = view.observations if isinstance(view, ManyViews) else view.observation
     values = np.asarray(given, dtype=np.float32)
     zero = np.zeros((*values.shape[:-1], 1), dtype=np.float32)
-    places = _places(view.limits, _limits(trained, view.limits.side))
+    places = _places(view.limits, _limits(trained, view.limits.side), inputs)
     found: NDArray[np.float32] = np.concatenate((values, zero), axis=-1)[..., places]
     return found
 
@@ -78,9 +86,11 @@ def _limits(trained: str | ArenaConfig, side: Side) -> Any:
 
 
 @lru_cache(maxsize=64)
-def _places(seen: AnyLimits, trained: AnyLimits) -> NDArray[np.int64]:
+def _places(seen: AnyLimits, trained: AnyLimits, inputs: int | None) -> NDArray[np.int64]:
     """Return the index of each column of `trained` in an observation, (D,); its width if it has no such column."""
     groups_of = prey_groups if isinstance(seen, PreyLimits) else groups
     names, wanted = (column_names(groups_of(limits)) for limits in (seen, trained))
+    if inputs not in (None, len(wanted)):
+        wanted = tuple(name for name in wanted if name.rpartition(".")[2] in _FIRST_COLUMNS.split())
     place = {name: number for number, name in enumerate(names)}
     return np.array([place.get(name, len(names)) for name in wanted], dtype=np.int64)

@@ -47,5 +47,6 @@ class FlatAgent:
 
     def act_batch(self, view: BatchView | PreyBatchView | View | PreyView) -> NDArray[np.float32]:
         """Return the speeds and turn rates of N agents, (N, 2), or of one, (2,)."""
-        commands: NDArray[np.float32] = COMMANDS[self.network(fit_observation(view, self.trained)).argmax(axis=-1)]
+        seen = fit_observation(view, self.trained, self.network.inputs)
+        commands: NDArray[np.float32] = COMMANDS[self.network(seen).argmax(axis=-1)]
         return commands
