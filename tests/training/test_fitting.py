@@ -72,6 +72,15 @@ def test_many_at_once_are_fitted_as_one(trained):
     assert fit_mask(batch, trained).tolist() == [fit_mask(view, trained).tolist() for view in seen]
 
 
+@pytest.mark.parametrize(("trained", "width"), [("standard", 71), ("wander", 95), ("pairs", 74)])
+def test_a_network_of_another_width_gets_the_columns_of_the_first_networks(trained, width):
+    """Whatever columns have been added since."""
+    for view in views("standard"):
+        assert fit_observation(view, trained, 1).shape == (width,)
+        own_width = len(columns(SCENARIOS[trained]))
+        assert fit_observation(view, trained, own_width).tolist() == fit_observation(view, trained).tolist()
+
+
 @pytest.mark.parametrize(("here", "trained"), [("herd", "tag"), ("tag", "herd"), ("herd", "herd")])
 def test_prey_is_fitted_by_the_names_of_its_columns(here, trained):
     """One prey, and many."""
