@@ -10,9 +10,10 @@ from typing import Final
 
 from catch_arena.agents.contested_by_time import arrival_s, rival_arrival_s
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import drive, rest
+from catch_arena.agents.patrol import rest
 from catch_arena.agents.triage import LOST_BY_S, race_or_rest, worth_chasing
 from catch_arena.policy import View
+from catch_arena.steering import drive
 
 MOST_TARGETS: Final = 16
 MOST_RIVALS: Final = 8
@@ -41,7 +42,7 @@ class Agent:
         own = cheapest_assignment([[-math.exp(-time_s / PATIENCE_S) for time_s in row] for row in times_s])[0]
         if own is None or times_s[0][own] - min(row[own] for row in times_s) >= LOST_BY_S:
             return race_or_rest(ranks, view)
-        return drive(*places[own], view)
+        return drive(*places[own], view.limits)
 
 
 def cheapest_assignment(costs: Sequence[Sequence[float]]) -> list[int | None]:

@@ -4,7 +4,9 @@ import math
 from typing import Any
 
 from catch_arena.batch_policy import BatchView
+from catch_arena.geometry import own_frame
 from catch_arena.policy import Limits, SeenHunter, View
+from catch_arena.steering import travel_s
 
 
 class Agent:
@@ -60,18 +62,16 @@ def rivals_arrival_s(forward: float, left: float, view: View, own_s: float = mat
 
 def rival_arrival_s(rival: SeenHunter, forward: float, left: float, limits: Limits, soonest: float = math.inf) -> float:
     """Return the time that a rival takes to a point [s]; its limits are unknown, so the hunter's own are used."""
-    dx, dy = forward - rival.forward, left - rival.left
-    cosine, sine = rival.heading_cos, rival.heading_sin
-    return arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx, limits, soonest)
+    ahead, aside = own_frame(rival.heading_cos, rival.heading_sin, forward - rival.forward, left - rival.left)
+    return arrival_s(ahead, aside, limits, soonest)
 
 
 def arrival_s(forward: float, left: float, limits: Limits, soonest: float = math.inf) -> float:
-    """Return the time that a hunter takes to a point of its own frame [s]: the way at full speed, and half of the turn.
+    """Return the time until a point of the own frame is within reach of a hunter [s], see `travel_s`.
 
     If the way alone takes `soonest` or longer, the race is lost anyway, and the turn is not counted.
     """
-    way = max(0.0, math.hypot(forward, left) - limits.reach_m) / limits.max_speed_mps
-    if way >= soonest:
-        return way
-    # half of the turn, since a hunter drives on while it turns
-    return way + 0.5 * abs(math.atan2(left, forward)) / limits.max_turn_rate_radps
+    way = max(0.0, math.hypot(forward, left) - limits.reach_m)
+    if way / limits.max_speed_mps >= soonest:
+        return way / limits.max_speed_mps
+    return travel_s(way, math.atan2(left, forward), limits)

@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from catch_arena.agents.nearest import Agent
 from catch_arena.batch_policy import PreyBatchView
+from catch_arena.geometry import own_frame
 from catch_arena.policy import PreyView
 
 __all__ = ["Agent", "Prey"]
@@ -64,4 +65,4 @@ def places(view: PreyBatchView) -> tuple[NDArray[np.float64], NDArray[np.float64
         np.clip(start[:, None, None] + ways * part, 0.0, limits.side_m) - start[:, None, None]
         for start, part in ((own.x, np.cos(headings)), (own.y, np.sin(headings)))
     )
-    return cosines * dx + sines * dy, cosines * dy - sines * dx
+    return own_frame(cosines, sines, dx, dy)

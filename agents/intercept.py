@@ -4,14 +4,13 @@ import math
 from typing import Any, Final
 
 from catch_arena.agents.contested_by_time import arrival_s
-from catch_arena.agents.patrol import drive, middle_of_own_ground
+from catch_arena.agents.patrol import middle_of_own_ground
 from catch_arena.batch_policy import BatchView
 from catch_arena.policy import SeenTarget, View
+from catch_arena.steering import LONGEST_LEAD_S, drive
 
 LOOKS: Final = 3
 """Number of iterations between the time to a target and the target's place at that time."""
-LONGEST_LEAD_S: Final = 1.5
-"""Longest time for which a target is assumed to drive straight on [s]; later turns are unknown."""
 
 
 class Agent:
@@ -41,7 +40,7 @@ def decide(view: View) -> tuple[float, float]:
         if cost < lowest_cost_s:
             best, lowest_cost_s = place + 1, cost
     forward, left = meeting_point(view.targets[best - 1], view) if best else middle_of_own_ground(view)
-    return drive(forward, left, view)
+    return drive(forward, left, view.limits)
 
 
 def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:

@@ -1,20 +1,15 @@
 """Drives itself at full speed to the target with the best race, or to the middle of its own ground."""
 
-import math
 from typing import Any
 
 from catch_arena.agents.contested_by_time import best_race
 from catch_arena.batch_policy import BatchView
+from catch_arena.geometry import own_frame
 from catch_arena.policy import View
+from catch_arena.steering import drive, spawn_at
 
 GRID = 5
 """Points along each side of the grid that stands for the spawn area."""
-SPAWN_LOW_M, SPAWN_WALL_M = 0.5, 0.5889
-"""R3.2: distances of spawns from the walls at 0, and from the opposite walls [m]."""
-TURN_GAIN = 6.0
-"""Turn rate per radian of bearing [1/s]."""
-BRAKE_GAIN = 2.0
-"""Speed per metre of distance to the resting place [1/s]."""
 
 Point = tuple[float, float]
 """Point (forward, left) in the hunter's own frame [m]."""
@@ -42,37 +37,22 @@ class Agent:
 def decide(view: View) -> tuple[float, float]:
     """Return the command for the best of all races in view, or for a place to wait."""
     rank = best_race(range(1, len(view.targets) + 1), view)
-    return drive(view.targets[rank - 1].forward, view.targets[rank - 1].left, view) if rank else rest(view)
+    return drive(view.targets[rank - 1].forward, view.targets[rank - 1].left, view.limits) if rank else rest(view)
 
 
 def rest(view: View) -> tuple[float, float]:
     """Return the command that brings the hunter to the middle of its own ground and keeps it there."""
     forward, left = middle_of_own_ground(view)
-    speed, turn = drive(forward, left, view)
-    return min(speed, BRAKE_GAIN * math.hypot(forward, left) / view.limits.max_speed_mps), turn
-
-
-def drive(forward: float, left: float, view: View) -> tuple[float, float]:
-    """Return the command that brings a point of the own frame [m] within reach, as fast as the arc allows."""
-    limits = view.limits
-    bearing = math.atan2(left, forward)
-    turn = max(-1.0, min(1.0, TURN_GAIN * bearing / limits.max_turn_rate_radps))
-    if abs(bearing) >= math.pi / 2:
-        return 0.0, turn  # driving would only increase the distance
-    # diameter of the circle that is tangent to the heading and passes half a reach from the point
-    diameter = (math.hypot(forward, left) + limits.reach_m / 2) / max(1e-6, abs(math.sin(bearing)))
-    return min(1.0, limits.max_turn_rate_radps * diameter / 2 / limits.max_speed_mps), turn
+    return drive(forward, left, view.limits, rests=True)
 
 
 def middle_of_own_ground(view: View) -> Point:
     """Return the mean (forward, left) [m] of the points of the spawn area that no rival is nearer to."""
-    step = (view.limits.side_m - SPAWN_LOW_M - SPAWN_WALL_M) / GRID
     points, ahead, aside = 0, 0.0, 0.0
     for i in range(GRID):
         for j in range(GRID):
-            dx, dy = SPAWN_LOW_M + (i + 0.5) * step - view.x, SPAWN_LOW_M + (j + 0.5) * step - view.y
-            forward = view.heading_cos * dx + view.heading_sin * dy
-            left = view.heading_cos * dy - view.heading_sin * dx
+            dx, dy = spawn_at(i, GRID, view.limits) - view.x, spawn_at(j, GRID, view.limits) - view.y
+            forward, left = own_frame(view.heading_cos, view.heading_sin, dx, dy)
             if is_own(forward, left, view):
                 points, ahead, aside = points + 1, ahead + forward, aside + left
     return ahead / max(1, points), aside / max(1, points)

@@ -8,10 +8,10 @@ while the command is at its limit (conditional integration), and is reset with e
 import math
 from typing import Final, NamedTuple
 
-from catch_arena.agents.contested_by_time import best_race
 from catch_arena.agents.intercept import meeting_point
 from catch_arena.agents.patrol import Point, middle_of_own_ground
-from catch_arena.agents.triage import lost_by_s, worth_chasing
+from catch_arena.agents.triage import race_worth_running, worth_chasing
+from catch_arena.geometry import world_frame
 from catch_arena.policy import View
 
 SAME_GOAL_M: Final = 0.6
@@ -69,10 +69,10 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
-        rank = best_race(worth_chasing(view), view, lost_by_s(view.limits))
+        rank = race_worth_running(worth_chasing(view), view)
         forward, left = meeting_point(view.targets[rank - 1], view) if rank else middle_of_own_ground(view)
-        cosine, sine = view.heading_cos, view.heading_sin
-        goal = view.x + cosine * forward - sine * left, view.y + sine * forward + cosine * left
+        dx, dy = world_frame(view.heading_cos, view.heading_sin, forward, left)
+        goal = view.x + dx, view.y + dy
         if self.goal is None or math.dist(goal, self.goal) > SAME_GOAL_M:
             self.linear.restart()
             self.angular.restart()

@@ -7,11 +7,11 @@ R. C. Coulter, "Implementation of the pure pursuit path tracking algorithm", Car
 import math
 from typing import Final
 
-from catch_arena.agents.contested_by_time import best_race
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import BRAKE_GAIN, Point, middle_of_own_ground
-from catch_arena.agents.triage import lost_by_s, worth_chasing
+from catch_arena.agents.patrol import Point, middle_of_own_ground
+from catch_arena.agents.triage import race_worth_running, worth_chasing
 from catch_arena.policy import Limits, View
+from catch_arena.steering import braked
 
 LOOKAHEAD_M: Final = 0.8
 """Distance to the lookahead point [m]: if less, the hunter stops to turn; if more, it arrives in wide arcs."""
@@ -27,12 +27,12 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
-        rank = best_race(worth_chasing(view), view, lost_by_s(view.limits))
+        rank = race_worth_running(worth_chasing(view), view)
         if rank:
             return follow(lookahead_point(meeting_point(view.targets[rank - 1], view)), view.limits)
         goal = middle_of_own_ground(view)
         speed, turn = follow(lookahead_point(goal), view.limits)
-        return min(speed, BRAKE_GAIN * math.hypot(*goal) / view.limits.max_speed_mps), turn
+        return braked(speed, math.hypot(*goal), view.limits), turn
 
 
 def lookahead_point(goal: Point) -> Point:

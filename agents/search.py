@@ -13,7 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.batch_policy import BatchView
+from catch_arena.geometry import own_frame, world_frame
 from catch_arena.policy import Limits, View
+from catch_arena.steering import LONGEST_LEAD_S, arc_speed_mps, drive_each, spawn_at, travel_s
 
 Float64Array = NDArray[np.float64]
 BoolArray = NDArray[np.bool_]
@@ -31,23 +33,10 @@ LOOKS_AT_GROUND: Final = 3
 """Number of times in a look-ahead that the share of the ground is counted."""
 LOST: Final = 1e3
 """Cost above every time [s], so that a lost race ranks after all that are won."""
-LONGEST_LEAD_S: Final = 1.5
-"""Longest time for which a target is assumed to drive straight on [s]; later turns are unknown."""
 SLOWEST_GAIN_MPS: Final = 0.1
 """Least speed at which a hunter gains on a fleeing target [m/s]: even a fast one is caught at a wall, or by two."""
 THERE_M: Final = 0.02
 """Distance from its waiting place below which a hunter stands still [m]."""
-SPAWN_LOW_M: Final = 0.5
-SPAWN_WALL_M: Final = 0.5889
-"""R3.2: distance of spawns from the walls opposite those at 0 [m]; SPAWN_LOW_M is that from the walls at 0.
-
-It is rounded, as in the agent `patrol`. engine/core_settings.py has all digits, but with those `search` could decide
-differently than when it was rated.
-"""
-TURN_GAIN: Final = 6.0
-"""Turn rate per radian of bearing [1/s]."""
-BRAKE_GAIN: Final = 2.0
-"""Speed per metre of distance to the resting place [1/s]."""
 CIRCLE: Final = 0.3
 """Radius, as a part of the side, of the circle on which a hunter with a partial view drives if it sees no target."""
 FURTHER_RAD: Final = 0.8
@@ -140,22 +129,19 @@ class Scene(NamedTuple):
         rivals = {name: np.asarray(c[:, :RIVALS], np.float64) for name, c in view.rivals._asdict().items()}
         alive, itself = targets["present"] > 0, np.ones((len(x), 1), np.bool_)
         present = rivals["present"] > 0
-        target_x, target_y = (
-            x + cosine * targets["forward"] - sine * targets["left"],
-            y + sine * targets["forward"] + cosine * targets["left"],
-        )
+        target_dx, target_dy = world_frame(cosine, sine, targets["forward"], targets["left"])
+        rival_dx, rival_dy = world_frame(cosine, sine, rivals["forward"], rivals["left"])
+        target_x, target_y = x + target_dx, y + target_dy
         vx, vy = np.zeros(alive.shape), np.zeros(alive.shape)
         if limits.targets_move:
             ahead, aside = (targets["linear_velocity"] * targets[name] for name in ("heading_cos", "heading_sin"))
-            vx, vy = cosine * ahead - sine * aside, sine * ahead + cosine * aside
-        hunters_x = np.concatenate((x, x + cosine * rivals["forward"] - sine * rivals["left"]), axis=1)
-        hunters_y = np.concatenate((y, y + sine * rivals["forward"] + cosine * rivals["left"]), axis=1)
+            vx, vy = world_frame(cosine, sine, ahead, aside)
         waiting_x, waiting_y = (np.broadcast_to(c, (len(x), c.size)) for c in spawn_area(limits, WAITING))
         mates = rivals["mate"] > 0 if limits.teams else np.zeros(present.shape, np.bool_)
         scene = cls(
             limits=limits,
-            x=hunters_x,
-            y=hunters_y,
+            x=np.concatenate((x, x + rival_dx), axis=1),
+            y=np.concatenate((y, y + rival_dy), axis=1),
             heading=np.concatenate(
                 (heading, heading + np.arctan2(rivals["heading_sin"], rivals["heading_cos"])), axis=1
             ),
@@ -182,8 +168,7 @@ class Scene(NamedTuple):
 
 def spawn_area(limits: Limits, points: int) -> tuple[Float64Array, Float64Array]:
     """R3.2: return x and y [m] of a grid of points in the spawn area, (points * points,) each."""
-    step = (limits.side_m - SPAWN_LOW_M - SPAWN_WALL_M) / points
-    places = SPAWN_LOW_M + (np.arange(points) + 0.5) * step
+    places = spawn_at(np.arange(points, dtype=np.float64), points, limits)
     return np.repeat(places, points), np.tile(places, points)
 
 
@@ -267,12 +252,8 @@ class RolloutArena:
 
     def _arrivals_s(self, dx: Float64Array, dy: Float64Array, way: Float64Array) -> Float64Array:
         """Return times to arrive [s]: the way at full speed, and half of the turn; infinite for absent hunters."""
-        cosine, sine = self.cosine[..., None], self.sine[..., None]
-        turn: Any = np.abs(np.arctan2(cosine * dy - sine * dx, cosine * dx + sine * dy))
-        arrivals: Float64Array = (
-            way / self.limits.max_speed_mps + 0.5 / self.limits.max_turn_rate_radps * turn + self.absent
-        )
-        return arrivals
+        forward, left = own_frame(self.cosine[..., None], self.sine[..., None], dx, dy)
+        return travel_s(way, np.arctan2(left, forward), self.limits) + self.absent
 
     def _races_s(self) -> Float64Array:
         """Return the time for each hunter to reach each target [s], (N, C, H, K); infinite if it does not race."""
@@ -349,11 +330,11 @@ class RolloutArena:
     def _drive(self, dx: Float64Array, dy: Float64Array, drives: BoolArray) -> None:
         """Drive hunters, (N, C, H), along offsets [m] like `drive`, but with the full turn in one step if possible."""
         fastest = self.limits.max_turn_rate_radps
-        bearing = np.arctan2(self.cosine * dy - self.sine * dx, self.cosine * dx + self.sine * dy)
-        distance = np.sqrt(dx * dx + dy * dy)
+        forward, left = own_frame(self.cosine, self.sine, dx, dy)
+        bearing, distance = np.arctan2(left, forward), np.sqrt(dx * dx + dy * dy)
         turn = np.where(drives, np.minimum(np.maximum(bearing, -fastest * STEP_S), fastest * STEP_S), 0.0)
-        diameter = (distance + self.limits.reach_m / 2) / np.maximum(1e-6, np.abs(np.sin(bearing)))
-        speed = np.minimum(self.limits.max_speed_mps, np.minimum(fastest / 2 * diameter, distance / STEP_S))
+        arc_speed = arc_speed_mps(distance, np.maximum(1e-6, np.abs(np.sin(bearing))), self.limits)
+        speed = np.minimum(self.limits.max_speed_mps, np.minimum(arc_speed, distance / STEP_S))
         way = np.where(drives & (np.abs(bearing) < np.pi / 2), STEP_S * speed, 0.0)
         self.x += way * np.cos(self.heading + 0.5 * turn)
         self.y += way * np.sin(self.heading + 0.5 * turn)
@@ -381,23 +362,11 @@ def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Float64Array:
         ahead_x, ahead_y = on_the_circle(scene) if circle_is_enough(limits) else on_the_lanes(scene)
         blind = ~scene.alive.any(axis=1)
         x, y, waits = np.where(blind, ahead_x, x), np.where(blind, ahead_y, y), waits & ~blind
-    return drive(scene, x, y, waits)
-
-
-def drive(scene: Scene, x: Float64Array, y: Float64Array, waits: BoolArray) -> Float64Array:
-    """Return the commands (N, 2) that bring each hunter to a point [m], and to rest there if it waits."""
-    limits = scene.limits
-    dx, dy = x - scene.x[:, 0], y - scene.y[:, 0]
-    cosine, sine = np.cos(scene.heading[:, 0]), np.sin(scene.heading[:, 0])
-    bearing = np.arctan2(cosine * dy - sine * dx, cosine * dx + sine * dy)
+    dx, dy, heading = x - scene.x[:, 0], y - scene.y[:, 0], scene.heading[:, 0]
+    commands = drive_each(*own_frame(np.cos(heading), np.sin(heading), dx, dy), waits, limits)
     distance = np.hypot(dx, dy)
-    turn = np.clip(TURN_GAIN * bearing / limits.max_turn_rate_radps, -1.0, 1.0)
-    # the circle that is tangent to the heading and passes half a reach from the point
-    diameter = (distance + limits.reach_m / 2) / np.maximum(1e-6, np.abs(np.sin(bearing)))
-    arrives = np.where(waits, BRAKE_GAIN * distance, distance / (limits.control_period_ms / 1000.0))
-    speed = np.minimum(limits.max_turn_rate_radps / 2 * diameter, arrives) / limits.max_speed_mps
-    ahead = np.abs(bearing) < np.pi / 2  # else driving would only increase the distance
-    commands = np.stack((np.where(ahead, np.minimum(1.0, speed), 0.0), turn), axis=1)
+    farthest = distance / (limits.control_period_ms / 1000.0) / limits.max_speed_mps  # in one step
+    commands[:, 0] = np.where(waits, commands[:, 0], np.minimum(commands[:, 0], farthest))
     commands[waits & (distance < THERE_M)] = 0.0
     return commands
 

@@ -7,11 +7,12 @@ International Journal of Game Theory 1 (1972). More than a small detour helps th
 
 from typing import Final
 
-from catch_arena.agents.contested_by_time import arrival_s, best_race, rival_arrival_s, rivals_arrival_s
+from catch_arena.agents.contested_by_time import arrival_s, rival_arrival_s, rivals_arrival_s
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import drive, rest
-from catch_arena.agents.triage import lost_by_s, worth_chasing
+from catch_arena.agents.patrol import rest
+from catch_arena.agents.triage import race_worth_running, worth_chasing
 from catch_arena.policy import SeenHunter, View
+from catch_arena.steering import drive
 
 DETOUR_S: Final = 0.4
 """Most extra time that it spends on the leader's target, compared with its own best target [s]."""
@@ -28,11 +29,11 @@ class Agent:
     def act(self, view: View) -> tuple[float, float]:
         """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
         ranks = worth_chasing(view)
-        best = best_race(ranks, view, lost_by_s(view.limits))
+        best = race_worth_running(ranks, view)
         wanted = wanted_target(ranks, view)
         if wanted and (not best or mine_s(wanted, view) <= mine_s(best, view) + DETOUR_S):
             best = wanted
-        return drive(*meeting_point(view.targets[best - 1], view), view) if best else rest(view)
+        return drive(*meeting_point(view.targets[best - 1], view), view.limits) if best else rest(view)
 
 
 def wanted_target(ranks: range, view: View) -> int:

@@ -5,9 +5,10 @@ from typing import Any, Final
 
 from catch_arena.agents.contested_by_time import arrival_s, rival_arrival_s
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import BRAKE_GAIN, drive, middle_of_own_ground
+from catch_arena.agents.patrol import middle_of_own_ground
 from catch_arena.batch_policy import BatchView
 from catch_arena.policy import View
+from catch_arena.steering import drive
 
 ALONE_S: Final = 1e3
 """Time added to every target if too few team-mates are in view, so that the soonest one is still chosen [s]."""
@@ -42,12 +43,10 @@ def decide(view: View) -> tuple[float, float]:
             best, soonest_s = place + 1, last_s
     if best == 0:
         forward, left = middle_of_own_ground(view)
-        return drive(forward, left, view)
+        return drive(forward, left, view.limits)
     forward, left = meeting_point(view.targets[best - 1], view)
-    speed, turn = drive(forward, left, view)
-    if arrival_s(forward, left, view.limits) < soonest_s and not view.limits.targets_move:
-        speed = min(speed, BRAKE_GAIN * math.hypot(forward, left) / view.limits.max_speed_mps)  # it arrives first
-    return speed, turn
+    waits = arrival_s(forward, left, view.limits) < soonest_s and not view.limits.targets_move
+    return drive(forward, left, view.limits, waits)
 
 
 def last_partner_s(forward: float, left: float, view: View) -> float:

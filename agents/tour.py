@@ -9,9 +9,10 @@ from typing import Final
 
 from catch_arena.agents.contested_by_time import rival_arrival_s
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import Point, drive
+from catch_arena.agents.patrol import Point
 from catch_arena.agents.triage import race_or_rest, worth_chasing
 from catch_arena.policy import Limits, View
+from catch_arena.steering import drive, travel_s
 
 MOST_STOPS: Final = 5
 """Most targets in a tour: the nearest that it can reach in time."""
@@ -35,7 +36,7 @@ class Agent:
         ranks = worth_chasing(view)[:MOST_TARGETS]
         places = [meeting_point(view.targets[rank - 1], view) for rank in ranks]
         tour = best_tour(list(zip(places, taken_s(places, view), strict=True)), view.limits)
-        return drive(*tour[0], view) if tour else race_or_rest(ranks, view)
+        return drive(*tour[0], view.limits) if tour else race_or_rest(ranks, view)
 
 
 def taken_s(places: list[Point], view: View) -> list[float]:
@@ -96,6 +97,5 @@ def best_tour(stops: list[tuple[Point, float]], limits: Limits) -> list[Point]:
 def leg_s(ahead: float, aside: float, heading: float, place: Point, limits: Limits) -> float:
     """Return the time from a place and a heading to another place [s], counted as by `arrival_s`."""
     dx, dy = place[0] - ahead, place[1] - aside
-    turn = abs(math.remainder(math.atan2(dy, dx) - heading, math.tau))
     way = max(0.0, math.hypot(dx, dy) - limits.reach_m)
-    return way / limits.max_speed_mps + 0.5 * turn / limits.max_turn_rate_radps
+    return travel_s(way, math.remainder(math.atan2(dy, dx) - heading, math.tau), limits)

@@ -6,9 +6,10 @@ from typing import Any, Final
 from catch_arena.agents.contested import nearest_rival_m
 from catch_arena.agents.contested_by_time import best_race
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import drive, rest
+from catch_arena.agents.patrol import rest
 from catch_arena.batch_policy import BatchView
-from catch_arena.policy import Limits, View
+from catch_arena.policy import View
+from catch_arena.steering import drive
 
 LOST_BY_S: Final = 0.4
 """Least lead of a rival at which a race is not run [s]; rivals seldom turn away."""
@@ -44,16 +45,20 @@ def decide(view: View) -> tuple[float, float]:
 
 def race_or_rest(ranks: range, view: View) -> tuple[float, float]:
     """Return the command for the best race among these ranks; if none is worth running, to wait on its own ground."""
-    rank = best_race(ranks, view, lost_by_s(view.limits))
+    rank = race_worth_running(ranks, view)
     if rank == 0:
         return rest(view)
     forward, left = meeting_point(view.targets[rank - 1], view)
-    return drive(forward, left, view)
+    return drive(forward, left, view.limits)
 
 
-def lost_by_s(limits: Limits) -> float:
-    """Return the delay from which a race is not run [s]; infinite if targets flee, since they turn from rivals too."""
-    return math.inf if limits.alarm_m or limits.prey else LOST_BY_S
+def race_worth_running(ranks: range, view: View) -> int:
+    """Return the rank, among the given ones, of the best race, or 0 if each is lost by LOST_BY_S or more.
+
+    If targets flee, no race is lost by too much, since they turn from rivals too.
+    """
+    flee = view.limits.alarm_m or view.limits.prey
+    return best_race(ranks, view, math.inf if flee else LOST_BY_S)
 
 
 def worth_chasing(view: View) -> range:

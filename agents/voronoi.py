@@ -9,11 +9,12 @@ Transactions on Robotics and Automation 20 (2004).
 import math
 from typing import Final
 
-from catch_arena.agents.contested_by_time import arrival_s, rival_arrival_s
+from catch_arena.agents.contested_by_time import arrival_s, rivals_arrival_s
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import Point, drive
+from catch_arena.agents.patrol import Point
 from catch_arena.agents.triage import race_or_rest, worth_chasing
 from catch_arena.policy import View
+from catch_arena.steering import drive
 
 COMPANY_M: Final = 1.5
 """Distance over which the worth of another target nearby falls to 1/e [m]."""
@@ -36,13 +37,12 @@ class Agent:
         own = [place for place in places if is_own(place, view)]
         if not own:
             return race_or_rest(ranks, view)
-        return drive(*min(own, key=lambda place: cost_s(place, own, view)), view)
+        return drive(*min(own, key=lambda place: cost_s(place, own, view)), view.limits)
 
 
 def is_own(place: Point, view: View) -> bool:
     """Return whether no moving rival reaches a place sooner."""
-    own_s = arrival_s(*place, view.limits)
-    return all(rival_arrival_s(rival, *place, view.limits) >= own_s for rival in view.rivals if rival.linear_velocity)
+    return rivals_arrival_s(*place, view) >= arrival_s(*place, view.limits)
 
 
 def cost_s(place: Point, own: list[Point], view: View) -> float:

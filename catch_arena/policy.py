@@ -8,6 +8,7 @@ from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, TypeVar,
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError, ConfigError, require_type
+from catch_arena.geometry import own_frame
 from catch_arena.layout import Group, groups, prey_groups
 from catch_arena.text import shortened
 
@@ -329,9 +330,7 @@ class _Body:
 
     def to_own_frame(self, x: float, y: float) -> tuple[float, float]:
         """Return a point of the world frame [m] as (forward, left) of this agent [m]."""
-        dx, dy = x - self.x, y - self.y
-        cosine, sine = self.heading_cos, self.heading_sin
-        return cosine * dx + sine * dy, cosine * dy - sine * dx
+        return own_frame(self.heading_cos, self.heading_sin, x - self.x, y - self.y)
 
 
 class View(_Body):

@@ -41,13 +41,15 @@ except ModuleNotFoundError:
 from catch_arena.batch_policy import BatchView
 from catch_arena.config import RULESET, RewardWeights
 from catch_arena.files import prepare_folder, whole_file
+from catch_arena.geometry import own_frame, world_frame
 from catch_arena.policy import Limits
 from catch_arena.scenarios import scenario
+from catch_arena.steering import drive_each
 from catch_arena.training import LearnerBatch
 from catch_arena.training.destinations import VERSION, Destinations, destinations
 from catch_arena.training.flat import FlatAgent
 from catch_arena.training.opponents import Opponents
-from catch_arena.training.pointer import CONTROL_OF, QUERIES, Head, PointerAgent, PointerNetwork, drive, weight_shapes
+from catch_arena.training.pointer import CONTROL_OF, QUERIES, Head, PointerAgent, PointerNetwork, weight_shapes
 
 ARENAS = 256  # stepped together
 HORIZON = 64  # decisions of each learner in a rollout
@@ -233,7 +235,8 @@ class Arenas:
         rows, choice = np.arange(len(decision)), seen.preferred if by_velocity else decision
         forward, left = seen.forward[rows, choice], seen.left[rows, choice]
         x, y, cosine, sine = self.observations.T[:4].astype(np.float64)
-        east, north = x + cosine * forward - sine * left, y + sine * forward + cosine * left
+        dx, dy = world_frame(cosine, sine, forward, left)
+        east, north = x + dx, y + dy
         rewards, ended = np.zeros(len(choice), np.float32), np.zeros(len(choice), np.bool_)
         for turn in range(self.hold):
             if by_velocity:
@@ -241,7 +244,7 @@ class Arenas:
             elif self.head == "rank":
                 action = choice if turn == 0 else self.rank_at(forward, left, choice > 0)
             else:
-                action = drive(forward, left, choice < seen.places, self.limits)
+                action = drive_each(forward, left, choice < seen.places, self.limits)
             step = self.batch.step(action)
             rewards += np.where(ended, 0, step.rewards)
             ended |= step.terminations | step.truncations
@@ -249,8 +252,7 @@ class Arenas:
                 self.pool.count(step.figures)
             self.observations, self.masks = step.observations, step.masks
             x, y, cosine, sine = self.observations.T[:4].astype(np.float64)
-            forward = cosine * (east - x) + sine * (north - y)
-            left = cosine * (north - y) - sine * (east - x)
+            forward, left = own_frame(cosine, sine, east - x, north - y)
         return rewards, ended
 
     def rank_at(self, forward: np.ndarray, left: np.ndarray, chased: np.ndarray) -> np.ndarray:

@@ -35,15 +35,16 @@ from catch_arena.batch_policy import BatchView, PreyBatchView
 from catch_arena.config import ArenaConfig, RewardWeights
 from catch_arena.errors import ConfigError
 from catch_arena.files import whole_file
+from catch_arena.geometry import own_frame, world_frame
 from catch_arena.layout import observation_size, prey_observation_size
 from catch_arena.policy import Side
 from catch_arena.scenarios import scenario
+from catch_arena.steering import drive_each
 from catch_arena.training.destinations import destinations
 from catch_arena.training.flat import COMMANDS, FlatAgent
 from catch_arena.training.mixed import MixedBatch, play_matches
 from catch_arena.training.networks import Mlp
 from catch_arena.training.players import LEARNER, Rows
-from catch_arena.training.pointer import drive
 
 SNAPSHOT = 500_000  # decisions between two past selves
 MOST_SELVES = 12  # past selves of a side
@@ -176,12 +177,13 @@ class Pointer(ppo.Network):
         self.resting = choices < self.seen.places
         ahead, aside = (table[np.arange(len(choices)), choices] for table in (self.seen.forward, self.seen.left))
         x, y, cosine, sine = self.view.observations.T[:4].astype(np.float64)
-        self.place = x + cosine * ahead - sine * aside, y + sine * ahead + cosine * aside
+        dx, dy = world_frame(cosine, sine, ahead, aside)
+        self.place = x + dx, y + dy
 
     def commands(self, observations: np.ndarray, rows: Rows) -> np.ndarray:
         x, y, cosine, sine = observations[rows].T[:4].astype(np.float64)
-        dx, dy = self.place[0] - x, self.place[1] - y
-        return drive(cosine * dx + sine * dy, cosine * dy - sine * dx, self.resting, self.view.limits)
+        points = own_frame(cosine, sine, self.place[0] - x, self.place[1] - y)
+        return drive_each(*points, self.resting, self.view.limits)
 
 
 class Learner:

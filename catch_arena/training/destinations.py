@@ -12,7 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.batch_policy import BatchView
+from catch_arena.geometry import own_frame, world_frame
 from catch_arena.policy import Limits, View
+from catch_arena.steering import LONGEST_LEAD_S, travel_s
 
 VERSION: Final = 1
 """Version of the features: a network that was trained with another version cannot use these."""
@@ -27,8 +29,6 @@ GROUND: Final = 5
 """Points per side of the grid by which a hunter's own ground is found."""
 BEHIND_M: Final = 0.2
 """Typical distance between a hunter and the centre of a target that it has just caught [m]."""
-LONGEST_LEAD_S: Final = 1.5
-"""Longest time for which a target's motion is extrapolated [s]: it may turn after that."""
 GIVEN_UP_S: Final = 0.4
 """Delay [s] above which a lost race is given up."""
 LENGTH_M: Final = 3.0
@@ -108,15 +108,15 @@ class _Block:
             self.forward[:, None] - self.rivals.forward[..., None],
             self.left[:, None] - self.rivals.left[..., None],
         )
-        cosine, sine = self.rivals.heading_cos[..., None], self.rivals.heading_sin[..., None]
-        forward_of_rival, self.far = cosine * dx + sine * dy, np.sqrt(dx * dx + dy * dy)
-        self.facing = forward_of_rival / (self.far + 1e-3)
+        ahead, aside = own_frame(self.rivals.heading_cos[..., None], self.rivals.heading_sin[..., None], dx, dy)
+        self.far = np.sqrt(dx * dx + dy * dy)
+        self.facing = ahead / (self.far + 1e-3)
         """Cosine of the angle between a rival's heading and the direction of the candidate: (N, R, C).
 
         `far`, the distance [m], and `rival_arrivals`, the arrival time [s], have the same shape.
         """
         there = (self.rivals.present > 0)[..., None]
-        self.rival_arrivals = np.where(there, self._arrival_s(forward_of_rival, cosine * dy - sine * dx), NEVER_S)
+        self.rival_arrivals = np.where(there, self._arrival_s(ahead, aside), NEVER_S)
         self.first_rival_arrival = self.rival_arrivals.min(axis=1, initial=NEVER_S)
         self.best, self.lost_by = self._best_races()
 
@@ -124,8 +124,7 @@ class _Block:
         """Return a grid of points x points in the arena, as (forward, left) [m]: (2, N, points * points)."""
         middles, own = (np.arange(points) + 0.5) * self.limits.side_m / points, self.own
         dx, dy = np.repeat(middles, points) - own.x, np.tile(middles, points) - own.y
-        cosine, sine = own.heading_cos, own.heading_sin
-        return np.stack((cosine * dx + sine * dy, cosine * dy - sine * dx))
+        return np.stack(own_frame(own.heading_cos, own.heading_sin, dx, dy))
 
     def _is_nearest(self, forward: Floats, left: Floats) -> NDArray[np.bool_]:
         """Return whether no rival is nearer to these points of the hunter's own frame: (N, points)."""
@@ -169,10 +168,9 @@ class _Block:
         return caught
 
     def _arrival_s(self, forward: Floats, left: Floats) -> Floats:
-        """Return arrival times [s] at points of a frame [m], computed as in `contested_by_time.arrival_s`."""
+        """Return the times until points of a frame [m] are within reach [s]."""
         way = np.maximum(0.0, np.sqrt(forward * forward + left * left) - self.limits.reach_m)
-        turn: Floats = 0.5 * np.abs(np.arctan2(left, forward)) / self.limits.max_turn_rate_radps
-        return way / self.limits.max_speed_mps + turn
+        return travel_s(way, np.arctan2(left, forward), self.limits)
 
     def _best_races(self) -> tuple[NDArray[np.int64], Floats]:
         """Return the best target (from 0) of the hunter and of each rival, and the delay of a lost race [s].
@@ -211,8 +209,7 @@ class _Block:
         """Return the features of places and kinds of the candidates, and of the hunter itself, by name."""
         x, y, own, middle = self.forward, self.left, self.own, 0.5 * self.limits.side_m
         distance, number = np.sqrt(x * x + y * y), np.arange(x.shape[1])
-        east = own.x + own.heading_cos * x - own.heading_sin * y
-        north = own.y + own.heading_sin * x + own.heading_cos * y
+        dx, dy = world_frame(own.heading_cos, own.heading_sin, x, y)
         from_ground = np.sqrt((self.ground[0] - x) ** 2 + (self.ground[1] - y) ** 2)
         by_name = {
             "forward": x / LENGTH_M,
@@ -223,8 +220,8 @@ class _Block:
             "bearing": np.abs(np.arctan2(y, x)) / np.pi,
             "arrival": np.minimum(self.own_arrival, 2.0 * FARTHEST_S),
             "won": self.own_arrival < self.first_rival_arrival,
-            "wall_x": np.abs(east - middle) / middle,
-            "wall_y": np.abs(north - middle) / middle,
+            "wall_x": np.abs(own.x + dx - middle) / middle,
+            "wall_y": np.abs(own.y + dy - middle) / middle,
             "is_place": number < self.places,
             "is_ground": (number == 0) & (not self.hosted),
             "from_ground": np.minimum(2.0, from_ground / LENGTH_M),
@@ -257,7 +254,7 @@ class _Block:
         cosine, sine = np.where(there, 1.0, x / distance), np.where(there, 0.0, y / distance)
         target_x, target_y = (one.T[self.places :, :, None] for one in (x, y))
         dx, dy = target_x - (x - BEHIND_M * cosine), target_y - (y - BEHIND_M * sine)  # (K, N, C)
-        arrival = self._arrival_s(cosine * dx + sine * dy, cosine * dy - sine * dx)
+        arrival = self._arrival_s(*own_frame(cosine, sine, dx, dy))
         another = self.alive.T[..., None] & (np.arange(self.places, x.shape[1])[:, None, None] != np.arange(x.shape[1]))
         arrival[~another] = NEVER_S
         wins = self.own_arrival + arrival < self.first_rival_arrival.T[self.places :, :, None]

@@ -17,24 +17,19 @@ from catch_arena.batch_policy import BatchView
 from catch_arena.config import RULESET, Control
 from catch_arena.errors import ConfigError
 from catch_arena.files import whole_file
-from catch_arena.policy import Limits, View
+from catch_arena.policy import View
+from catch_arena.steering import drive_each
 from catch_arena.training.destinations import FEATURES, VERSION, Destinations, destinations
 from catch_arena.training.networks import load_network, require_finite
 
 Head = Literal["destination", "rank", "velocity"]
-"""The network's decision: the place that `drive` goes to, the target that the arena's controller chases, or the
+"""The network's decision: the place that the hunter drives to, the target that the arena's controller chases, or the
 velocities themselves.
 """
 CONTROL_OF: Final[dict[Head, Control]] = {"destination": "velocity", "rank": "target", "velocity": "velocity"}
 
 QUERIES: Final = 2
 """Number of learned queries of the attention pooling."""
-# The weights were trained with these gains of `drive`. agents/patrol.py has the same ones, but they are not imported:
-# tuning that agent must not change how a network drives.
-TURN_GAIN: Final = 6.0
-"""Turn rate per radian of bearing [1/s]."""
-BRAKE_GAIN: Final = 2.0
-"""Speed per metre of the remaining way to a resting place [1/s]."""
 
 Float32Array = NDArray[np.float32]
 
@@ -165,24 +160,4 @@ class PointerAgent:
         if self.network.head == "rank":
             return choice  # 0 holds, and the candidates after it are the targets by rank
         rows = np.arange(len(choice))
-        return drive(seen.forward[rows, choice], seen.left[rows, choice], choice < seen.places, view.limits)
-
-
-def drive(
-    forward: NDArray[np.float64], left: NDArray[np.float64], resting: NDArray[np.bool_], limits: Limits
-) -> NDArray[np.float64]:
-    """Return velocities, (N, 2) in [-1, 1], that bring points within reach as fast as the arc to them allows.
-
-    Args:
-        forward: distances ahead to the points, in the hunters' own frames [m]: (N,).
-        left: distances to the left [m]: (N,).
-        resting: whether a hunter stays at its point, so that it brakes before it: (N,).
-        limits: limits of the hunters.
-    """
-    bearing, distance = np.arctan2(left, forward), np.hypot(forward, left)
-    turn = np.clip(TURN_GAIN * bearing / limits.max_turn_rate_radps, -1.0, 1.0)
-    # the circle that is tangent to the heading and passes half a reach from the point
-    diameter = (distance + limits.reach_m / 2) / np.maximum(1e-6, np.abs(np.sin(bearing)))
-    speed = np.minimum(1.0, limits.max_turn_rate_radps * diameter / 2 / limits.max_speed_mps)
-    speed = np.where(resting, np.minimum(speed, BRAKE_GAIN * distance / limits.max_speed_mps), speed)
-    return np.stack((np.where(np.abs(bearing) >= np.pi / 2, 0.0, speed), turn), axis=1)
+        return drive_each(seen.forward[rows, choice], seen.left[rows, choice], choice < seen.places, view.limits)
