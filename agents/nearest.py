@@ -14,8 +14,13 @@ class Agent:
 
     def act(self, view: View) -> int:
         """Return 1 if there is a target, else 0 (hold)."""
-        return 1 if view.mask[1] else 0
+        return int(choose(view.mask))
 
     def act_batch(self, view: BatchView) -> Any:
         """Return the choices of N hunters, (N,); `act` makes the same choice for one."""
-        return view.masks[:, 1]
+        return choose(view.masks.T)
+
+
+def choose(mask: Any) -> Any:
+    """Return rank 1 if it is legal, else 0 (hold): the mask's number for rank 1. Masks of N hunters are (K + 1, N)."""
+    return mask[1]
