@@ -6,6 +6,7 @@ from typing import Any, Final
 from catch_arena.agents.contested_by_time import arrival_s
 from catch_arena.agents.patrol import middle_of_own_ground
 from catch_arena.batch_policy import BatchView
+from catch_arena.geometry import place_after
 from catch_arena.policy import SeenTarget, View
 from catch_arena.steering import LONGEST_LEAD_S, drive
 
@@ -49,9 +50,7 @@ def meeting_point(target: SeenTarget, view: View) -> tuple[float, float]:
     if not target.linear_velocity:
         return forward, left
     for _ in range(LOOKS):
-        lead_s = min(LONGEST_LEAD_S, arrival_s(forward, left, view.limits))
-        forward = target.forward + target.linear_velocity * target.heading_cos * lead_s
-        left = target.left + target.linear_velocity * target.heading_sin * lead_s
+        forward, left = place_after(target, min(LONGEST_LEAD_S, arrival_s(forward, left, view.limits)))
     return forward, left
 
 

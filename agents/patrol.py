@@ -4,7 +4,7 @@ from typing import Any
 
 from catch_arena.agents.contested_by_time import best_race
 from catch_arena.batch_policy import BatchView
-from catch_arena.geometry import own_frame
+from catch_arena.geometry import is_nearer, own_frame
 from catch_arena.policy import View
 from catch_arena.steering import drive, spawn_at
 
@@ -60,8 +60,7 @@ def middle_of_own_ground(view: View) -> Point:
 
 def is_own(forward: float, left: float, view: View) -> bool:
     """Return whether no rival is nearer to a point of the own frame."""
-    for rival in view.rivals:
-        dx, dy = forward - rival.forward, left - rival.left
-        if dx * dx + dy * dy < forward * forward + left * left:
+    for rival in view.rivals:  # noqa: SIM110 - Numba compiles no generators
+        if is_nearer(rival, forward, left):
             return False
     return True

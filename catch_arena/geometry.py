@@ -1,6 +1,6 @@
-"""Directions in the world frame and in the frame of a hunter or prey, as numbers or as arrays."""
+"""Directions and places in the frames of hunters, prey and the world; functions of a `Number` also take arrays."""
 
-from typing import TypeVar
+from typing import Any, TypeVar
 
 TYPE_CHECKING = False  # agents that do not use NumPy need not load it
 if TYPE_CHECKING:
@@ -19,3 +19,27 @@ def own_frame(cosine: Number, sine: Number, dx: Number, dy: Number) -> tuple[Num
 def world_frame(cosine: Number, sine: Number, forward: Number, left: Number) -> tuple[Number, Number]:
     """Return a direction (forward, left) as (dx, dy) of the world frame; the inverse of `own_frame`."""
     return cosine * forward - sine * left, sine * forward + cosine * left
+
+
+def place_after(target: Any, lead_s: Number) -> tuple[Number, Number]:
+    """Return the place (forward, left) [m] of a target that drives straight on for some time.
+
+    Args:
+        target: a `SeenTarget` that moves, or the targets of a `BatchView`.
+        lead_s: the time [s].
+    """
+    forward: Number = target.forward + target.linear_velocity * target.heading_cos * lead_s
+    left: Number = target.left + target.linear_velocity * target.heading_sin * lead_s
+    return forward, left
+
+
+def is_nearer(rival: Any, forward: Number, left: Number) -> Any:
+    """Return whether a rival is nearer than the hunter to a place of the hunter's own frame [m].
+
+    Args:
+        rival: a `SeenHunter`, or the rivals of a `BatchView`, with arrays of a shape that fits the places.
+        forward: distance ahead.
+        left: distance to the left.
+    """
+    dx, dy = forward - rival.forward, left - rival.left
+    return dx * dx + dy * dy < forward * forward + left * left

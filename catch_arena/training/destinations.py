@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.batch_policy import BatchView
-from catch_arena.geometry import own_frame, world_frame
+from catch_arena.geometry import is_nearer, own_frame, place_after, world_frame
 from catch_arena.policy import Limits, View
 from catch_arena.steering import LONGEST_LEAD_S, travel_s
 
@@ -35,8 +35,6 @@ LENGTH_M: Final = 3.0
 """Unit of lengths in the features [m]."""
 FARTHEST_S: Final = 3.0
 """Time that stands for an absent rival or next target in the features [s]; arrivals are cut at twice this."""
-ROWS: Final = 64
-"""Number of hunters that are described at a time: the arrays of more do not fit into a processor's caches."""
 
 _OF_CANDIDATE: Final = (
     *("forward", "left", "distance", "bearing_cos", "bearing_sin", "bearing", "arrival", "won"),
@@ -78,20 +76,19 @@ def destinations(view: View | BatchView) -> Destinations:
     """
     if isinstance(view, View):
         view = BatchView(np.array([view.observation]), np.zeros((1, 0), np.int8), view.limits)
-    seen: Any = np.asarray(view.observations, np.float64)
-    views = (BatchView(seen[at : at + ROWS], view.masks, view.limits) for at in range(0, max(1, len(seen)), ROWS))
-    *tables, places = zip(*(_Block(some).result() for some in views), strict=True)
-    return Destinations._make((*map(np.concatenate, tables), places[0]))
+    return _Hunters(view).destinations()
 
 
-class _Block:
-    """Some hunters, the targets (N, K) and rivals (N, R) that they see, and all arrival times at each candidate."""
+class _Hunters:
+    """N hunters, the targets (N, K) and rivals (N, R, 1) that they see, and all arrival times at each candidate."""
 
     def __init__(self, view: BatchView) -> None:
+        view = BatchView(np.asarray(view.observations, np.float64), view.masks, view.limits)
         self.limits: Limits = view.limits
         self.hosted = view.limits.control == "target"
         self.own: Any = type(view.own)(*(column[:, None] for column in view.own))
-        self.targets, self.rivals = view.targets, view.rivals
+        self.targets = view.targets
+        self.rivals: Any = type(view.rivals)(*(column[..., None] for column in view.rivals))
         self.ground = self._own_ground()
         places = [self.ground]
         if self.hosted:
@@ -104,19 +101,15 @@ class _Block:
         self.alive = (self.targets.present > 0) & ~caught
         self.caught = caught.any(axis=1, keepdims=True)
         self.own_arrival = self._arrival_s(self.forward, self.left)
-        dx, dy = (
-            self.forward[:, None] - self.rivals.forward[..., None],
-            self.left[:, None] - self.rivals.left[..., None],
-        )
-        ahead, aside = own_frame(self.rivals.heading_cos[..., None], self.rivals.heading_sin[..., None], dx, dy)
+        dx, dy = self.forward[:, None] - self.rivals.forward, self.left[:, None] - self.rivals.left
+        ahead, aside = own_frame(self.rivals.heading_cos, self.rivals.heading_sin, dx, dy)
         self.far = np.sqrt(dx * dx + dy * dy)
         self.facing = ahead / (self.far + 1e-3)
         """Cosine of the angle between a rival's heading and the direction of the candidate: (N, R, C).
 
         `far`, the distance [m], and `rival_arrivals`, the arrival time [s], have the same shape.
         """
-        there = (self.rivals.present > 0)[..., None]
-        self.rival_arrivals = np.where(there, self._arrival_s(ahead, aside), NEVER_S)
+        self.rival_arrivals = np.where(self.rivals.present > 0, self._arrival_s(ahead, aside), NEVER_S)
         self.first_rival_arrival = self.rival_arrivals.min(axis=1, initial=NEVER_S)
         self.best, self.lost_by = self._best_races()
 
@@ -128,9 +121,8 @@ class _Block:
 
     def _is_nearest(self, forward: Floats, left: Floats) -> NDArray[np.bool_]:
         """Return whether no rival is nearer to these points of the hunter's own frame: (N, points)."""
-        dx, dy = forward[:, None] - self.rivals.forward[..., None], left[:, None] - self.rivals.left[..., None]
-        nearer = dx * dx + dy * dy < (forward * forward + left * left)[:, None]
-        nearest: NDArray[np.bool_] = ~(nearer & (self.rivals.present > 0)[..., None]).any(axis=1)
+        nearer = is_nearer(self.rivals, forward[:, None], left[:, None])
+        nearest: NDArray[np.bool_] = ~(nearer & (self.rivals.present > 0)).any(axis=1)
         return nearest
 
     def _own_ground(self) -> Floats:
@@ -145,14 +137,10 @@ class _Block:
 
         Place and arrival time depend on each other, so they are computed twice in turn.
         """
-        now = np.stack((self.targets.forward, self.targets.left))
-        if not self.limits.targets_move:
-            return now
-        way = self.targets.linear_velocity * np.stack((self.targets.heading_cos, self.targets.heading_sin))
-        place = now
-        for _ in range(2):
-            place = now + way * np.minimum(LONGEST_LEAD_S, self._arrival_s(*place))
-        return place
+        place = self.targets.forward, self.targets.left
+        for _ in range(2 if self.limits.targets_move else 0):
+            place = place_after(self.targets, np.minimum(LONGEST_LEAD_S, self._arrival_s(*place)))
+        return np.stack(place)
 
     def _nearly_caught(self) -> NDArray[np.bool_]:
         """Return whether a target is as good as caught: (N, K).
@@ -180,8 +168,8 @@ class _Block:
         """
         races = np.concatenate((self.own_arrival[:, None], self.rival_arrivals), axis=1)[..., self.places :]
         moving = (self.rivals.present > 0) & (self.rivals.linear_velocity != 0)
-        racing = np.concatenate((np.ones((len(moving), 1), np.bool_), moving), axis=1)
-        times = np.where(racing[..., None], races, NEVER_S)
+        racing = np.concatenate((np.ones((len(moving), 1, 1), np.bool_), moving), axis=1)
+        times = np.where(racing, races, NEVER_S)
         first, second = _two_smallest(times.swapaxes(0, 1), NEVER_S)
         first_others = np.where(times == first[:, None], second[:, None], first[:, None])
         late = np.where(self.alive[:, None], times - first_others, NEVER_S)
@@ -189,9 +177,9 @@ class _Block:
         cost = np.where(won, times, NEVER_S + late)
         best, wins = cost.argmin(axis=2), won.any(axis=2)
         lost_by: Floats = np.where(wins, 0.0, late.min(axis=2))
-        return np.where(racing & self.alive.any(axis=1)[:, None], best, -1), lost_by
+        return np.where(racing[..., 0] & self.alive.any(axis=1)[:, None], best, -1), lost_by
 
-    def result(self) -> Destinations:
+    def destinations(self) -> Destinations:
         """Return the candidates of these hunters with all features."""
         given_up = (self.lost_by[:, 0] > GIVEN_UP_S) & (not self.hosted)
         preferred = np.where((self.best[:, 0] < 0) | given_up, 0, self.places + self.best[:, 0])
@@ -276,8 +264,8 @@ class _Block:
             self.best[:, 1:, None] == np.arange(self.own_arrival.shape[1]) - self.places,
             self.facing,
             self.far / LENGTH_M,
-            self.rivals.linear_velocity[..., None] / 2.0,
-            self.rivals.mate[..., None] if self.limits.teams else 0.0,
+            self.rivals.linear_velocity / 2.0,
+            self.rivals.mate if self.limits.teams else 0.0,
         )
         table = np.stack(np.broadcast_arrays(*features), axis=3)
         no_rival = FARTHEST_S, 0.0, 0.0, 0.0, 0.0, 0.0
