@@ -19,14 +19,7 @@ from catch_arena.batch_policy import BatchView
 from catch_arena.core.jit import entry, phase, rule
 from catch_arena.core.math import atan2
 from catch_arena.core.modes import INTERPRETED
-from catch_arena.layout import (
-    MovingTargetFeatures,
-    RivalFeatures,
-    SelfFeatures,
-    TargetFeatures,
-    TeamRivalFeatures,
-    groups,
-)
+from catch_arena.layout import MovingTargetFeatures, SelfFeatures, TeamRivalFeatures, groups
 from catch_arena.policy import Limits, View
 
 Decide = Callable[[Any], Any]
@@ -52,8 +45,6 @@ class _Seen(NamedTuple):
 _NUMBERS: Final = [field.name for field in fields(Limits) if field.type in (int, float, bool)]
 _make: Any = NamedTuple  # for type checkers, which want to see the fields
 _Limits: Any = _make("_Limits", [(name, float) for name in _NUMBERS])
-_STILL, _TEAMLESS = len(TargetFeatures._fields), len(RivalFeatures._fields)
-"""Columns of each without motion, and without teams: a constant number of them is copied twice as fast."""
 _OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
 _PRESENT: Final = MovingTargetFeatures._fields.index("present")  # and of rivals
 _TARGET, _RIVAL = (np.dtype([(name, float) for name in of._fields]) for of in (MovingTargetFeatures, TeamRivalFeatures))
@@ -99,15 +90,13 @@ def _shape(limits: Limits) -> tuple[int, int, int, Any]:
 
 
 @rule
-def _look(seen: Any, row: int, first: int, columns: int, always: int, table: Any) -> int:
+def _look(seen: Any, row: int, first: int, columns: int, table: Any) -> int:
     """Copy the targets or rivals that one hunter sees into `table`, and return their number."""
     for place in range(len(table)):
         at = first + place * columns
         if seen[row, at + _PRESENT] == 0.0:
             return place
-        for column in range(always):
-            table[place, column] = seen[row, at + column]
-        for column in range(always, columns):
+        for column in range(columns):
             table[place, column] = seen[row, at + column]
     return len(table)
 
@@ -123,8 +112,8 @@ def _act_all(
     """Write the actions of all hunters. The arrays of records share the memory of `targets` and `rivals`."""
     target_columns, first_rival, rival_columns, limits = shape
     for row in range(len(seen)):
-        target_count = _look(seen, row, len(_OWN), target_columns, _STILL, targets)
-        rival_count = _look(seen, row, first_rival, rival_columns, _TEAMLESS, rivals)
+        target_count = _look(seen, row, len(_OWN), target_columns, targets)
+        rival_count = _look(seen, row, first_rival, rival_columns, rivals)
         view = _Seen(
             np.float64(seen[row, _OWN.x]),
             np.float64(seen[row, _OWN.y]),
