@@ -5,13 +5,12 @@ from typing import Final
 
 from catch_arena.agents.contested import Agent
 from catch_arena.policy import PreyView
+from catch_arena.steering import turn_towards
 
 __all__ = ["Agent", "Prey"]
 
 WALL_M: Final = 1.0
 """Distance of its corners from the walls [m]."""
-TURN_GAIN: Final = 6.0
-"""Turn rate per radian of bearing [1/s]."""
 ALARM_M: Final = 3.0
 """Least lead at its corner [m]; below it, the prey chooses a corner again."""
 
@@ -34,8 +33,7 @@ class Prey:
                 ((x, y) for x in (near, far) for y in (near, far)), key=lambda corner: lead_m(corner, view)
             )
         forward, left = view.to_own_frame(*self.corner)
-        turn = TURN_GAIN * math.atan2(left, forward) / view.limits.max_turn_rate_radps
-        return min(1.0, math.hypot(forward, left) / WALL_M), max(-1.0, min(1.0, turn))
+        return min(1.0, math.hypot(forward, left) / WALL_M), turn_towards(math.atan2(left, forward), view.limits)
 
 
 def lead_m(corner: Point, view: PreyView) -> float:

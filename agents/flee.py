@@ -9,6 +9,7 @@ from catch_arena.agents.nearest import Agent
 from catch_arena.batch_policy import PreyBatchView
 from catch_arena.geometry import own_frame
 from catch_arena.policy import PreyView
+from catch_arena.steering import TURN_GAIN
 
 __all__ = ["Agent", "Prey"]
 
@@ -16,8 +17,6 @@ BEARINGS: Final = 2.0 * np.pi * np.arange(16) / 16 - np.pi
 """Bearings that are compared, evenly spaced over the full circle [rad]."""
 AHEAD_S: Final = np.array([0.4, 1.2])
 """Times at which distances are compared [s]: soon, and when a wall may have stopped the prey."""
-TURN_GAIN: Final = 6.0
-"""Turn rate per radian of bearing [1/s]."""
 
 
 class Prey:

@@ -8,7 +8,7 @@ import math
 from typing import Final
 
 from catch_arena.geometry import Number
-from catch_arena.policy import Limits
+from catch_arena.policy import AnyLimits, Limits
 
 TYPE_CHECKING = False  # agents that do not use NumPy need not load it
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 TURN_GAIN: Final = 6.0
-"""Turn rate per radian of bearing [1/s]. Networks were trained with this gain and the next."""
+"""Turn rate per radian of bearing [1/s]. Trained networks drive with this gain and the next."""
 BRAKE_GAIN: Final = 2.0
 """Speed per metre of distance to a resting place [1/s]."""
 LONGEST_LEAD_S: Final = 1.5
@@ -62,11 +62,16 @@ def drive(forward: float, left: float, limits: Limits, rests: bool = False) -> t
     With `rests` the hunter slows down before the point, and stays there.
     """
     distance, bearing = math.hypot(forward, left), math.atan2(left, forward)
-    turn = max(-1.0, min(1.0, TURN_GAIN * bearing / limits.max_turn_rate_radps))
+    turn = turn_towards(bearing, limits)
     if abs(bearing) >= math.pi / 2:
         return 0.0, turn  # driving would only increase the distance
     speed = min(1.0, arc_speed_mps(distance, max(1e-6, abs(math.sin(bearing))), limits) / limits.max_speed_mps)
     return braked(speed, distance, limits) if rests else speed, turn
+
+
+def turn_towards(bearing: float, limits: AnyLimits) -> float:
+    """Return the turn rate, as a fraction of the limit, for a point at a bearing [rad]."""
+    return max(-1.0, min(1.0, TURN_GAIN * bearing / limits.max_turn_rate_radps))
 
 
 def braked(speed: float, distance: float, limits: Limits) -> float:

@@ -161,10 +161,10 @@ class _Hunters:
         return travel_s(way, np.arctan2(left, forward), self.limits)
 
     def _best_races(self) -> tuple[NDArray[np.int64], Floats]:
-        """Return the best target (from 0) of the hunter and of each rival, and the delay of a lost race [s].
+        """Return the best target (from 0) of the hunter and each rival, (N, 1 + R), and the hunter's delay [s], (N,).
 
-        Both have the shape (N, 1 + R), the hunter first. -1 means that there is no target, or that a rival is absent or
-        stands still. The delay is 0 if a race is won.
+        The hunter is before its rivals. -1 means that there is no target, or that a rival is absent or stands still.
+        The delay is 0 if the hunter wins a race.
         """
         races = np.concatenate((self.own_arrival[:, None], self.rival_arrivals), axis=1)[..., self.places :]
         moving = (self.rivals.present > 0) & (self.rivals.linear_velocity != 0)
@@ -173,15 +173,13 @@ class _Hunters:
         first, second = _two_smallest(times.swapaxes(0, 1), NEVER_S)
         first_others = np.where(times == first[:, None], second[:, None], first[:, None])
         late = np.where(self.alive[:, None], times - first_others, NEVER_S)
-        won = late <= 0.0
-        cost = np.where(won, times, NEVER_S + late)
-        best, wins = cost.argmin(axis=2), won.any(axis=2)
-        lost_by: Floats = np.where(wins, 0.0, late.min(axis=2))
-        return np.where(racing[..., 0] & self.alive.any(axis=1)[:, None], best, -1), lost_by
+        cost = np.where(late <= 0.0, times, NEVER_S + late)
+        best = np.where(racing[..., 0] & self.alive.any(axis=1)[:, None], cost.argmin(axis=2), -1)
+        return best, np.maximum(0.0, late[:, 0].min(axis=1))
 
     def destinations(self) -> Destinations:
         """Return the candidates of these hunters with all features."""
-        given_up = (self.lost_by[:, 0] > GIVEN_UP_S) & (not self.hosted)
+        given_up = (self.lost_by > GIVEN_UP_S) & (not self.hosted)
         preferred = np.where((self.best[:, 0] < 0) | given_up, 0, self.places + self.best[:, 0])
         legal = np.concatenate((np.ones((len(self.alive), self.places), np.bool_), self.alive), axis=1)
         features = np.zeros((*legal.shape, len(FEATURES)), np.float32)
