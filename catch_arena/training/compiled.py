@@ -8,7 +8,7 @@ import hashlib
 import math
 from collections.abc import Callable
 from dataclasses import fields
-from functools import cache, lru_cache
+from functools import cache
 from types import FunctionType, ModuleType
 from typing import Any, Final, NamedTuple
 
@@ -73,20 +73,15 @@ def _actions(decide: Decide, write: Any, view: BatchView, actions: NDArray[Any])
         for row, observation in enumerate(view.observations):
             actions[row] = decide(View(observation.tolist(), (), view.limits))
         return actions
+    _, seen_targets, seen_rivals = groups(view.limits)
+    limits = _Limits(*(getattr(view.limits, name) for name in _NUMBERS))
+    shape = len(seen_targets.table._fields), seen_rivals.first, len(seen_rivals.table._fields), limits
     targets = np.array([_STANDING] * view.limits.targets_seen, np.float64)
     rivals = np.zeros((view.limits.hunters_seen, len(TeamRivalFeatures._fields)))
     records = targets.view(_TARGET)[:, 0], rivals.view(_RIVAL)[:, 0]
     seen = np.ascontiguousarray(view.observations, np.float32)
-    _compiled(decide, write)(seen, _shape(view.limits), targets, rivals, *records, actions)
+    _compiled(decide, write)(seen, shape, targets, rivals, *records, actions)
     return actions
-
-
-@lru_cache(maxsize=64)
-def _shape(limits: Limits) -> tuple[int, int, int, Any]:
-    """Return a target's number of columns, the first column of rivals, a rival's number of columns, and the limits."""
-    _, targets, rivals = groups(limits)
-    numbers = _Limits(*(getattr(limits, name) for name in _NUMBERS))
-    return len(targets.table._fields), rivals.first, len(rivals.table._fields), numbers
 
 
 @rule
@@ -109,7 +104,10 @@ _write: Any = None
 def _act_all(
     seen: Any, shape: Any, targets: Any, rivals: Any, target_records: Any, rival_records: Any, actions: Any
 ) -> None:
-    """Write the actions of all hunters. The arrays of records share the memory of `targets` and `rivals`."""
+    """Write the actions of all hunters. The arrays of records share the memory of `targets` and `rivals`.
+
+    `shape`: a target's number of columns, the first column of rivals, a rival's number of columns, and the limits.
+    """
     target_columns, first_rival, rival_columns, limits = shape
     for row in range(len(seen)):
         target_count = _look(seen, row, len(_OWN), target_columns, targets)
