@@ -328,7 +328,7 @@ class RolloutArena:
         self._look()
 
     def _drive(self, dx: Float64Array, dy: Float64Array, drives: BoolArray) -> None:
-        """Drive hunters, (N, C, H), along offsets [m] like `drive`, but with the full turn in one step if possible."""
+        """Drive hunters, (N, C, H), along offsets [m] like `steering.drive`, but turn fully in one step if possible."""
         fastest = self.limits.max_turn_rate_radps
         forward, left = own_frame(self.cosine, self.sine, dx, dy)
         bearing, distance = np.arctan2(left, forward), np.sqrt(dx * dx + dy * dy)
@@ -365,8 +365,8 @@ def drive_to(scene: Scene, choice: NDArray[np.intp]) -> Float64Array:
     dx, dy, heading = x - scene.x[:, 0], y - scene.y[:, 0], scene.heading[:, 0]
     commands = drive_each(*own_frame(np.cos(heading), np.sin(heading), dx, dy), waits, limits)
     distance = np.hypot(dx, dy)
-    farthest = distance / (limits.control_period_ms / 1000.0) / limits.max_speed_mps  # in one step
-    commands[:, 0] = np.where(waits, commands[:, 0], np.minimum(commands[:, 0], farthest))
+    in_one_step = distance / (limits.control_period_ms / 1000.0) / limits.max_speed_mps
+    commands[:, 0] = np.where(waits, commands[:, 0], np.minimum(commands[:, 0], in_one_step))
     commands[waits & (distance < THERE_M)] = 0.0
     return commands
 

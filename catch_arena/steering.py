@@ -39,7 +39,7 @@ def travel_s(way: Number, bearing: Number, limits: Limits) -> Number:
 
 
 def arc_speed_mps(distance: Number, sine: Number, limits: Limits) -> Number:
-    """Return the fastest speed on the circle that is tangent to the heading and passes half a reach from a point.
+    """Return the fastest speed [m/s] on the circle that is tangent to the heading and passes half a reach from a point.
 
     Args:
         distance: distance to the point [m].
