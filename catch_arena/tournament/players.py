@@ -1,6 +1,5 @@
 """Players of one match: in this process, or isolated in processes of their own, which are asked at the same time."""
 
-import json
 import math
 import select
 import time
@@ -28,6 +27,8 @@ _STALL_S: Final = 1.0
 _WAIT_S: Final = 1.0 / 60.0
 """Time between two calls of `while_waiting` [s]."""
 
+_LATE: Final = Fault("FORFEIT_TIMEOUT", "", late=True)
+"""Fault of an agent that is late, before its reason is known."""
 
 _Reply = tuple[dict[str, Any], float, Fault | None]
 """Answer of an isolated agent: JSON object in its line (empty if there is a fault); time taken [s]; fault."""
@@ -194,7 +195,6 @@ class Players(AbstractContextManager["Players"]):
         due: dict[int, float] = {}
         seat_of: dict[int, int] = {}
         poll = select.poll()
-        late = Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {self._limit_name(doing)}", late=True)
         now = time.monotonic()
         while_waiting = self._while_waiting if doing == "act" else None
         call_at = math.inf if while_waiting is None else now + _WAIT_S
@@ -225,11 +225,11 @@ class Players(AbstractContextManager["Players"]):
                     poll.unregister(file)
                     fields, fault = _parse(doing, received, process)
                     in_time = now <= due.pop(seat) or fault is not None
-                    replies[seat] = (fields if in_time else {}), now - sent_at[seat], (fault if in_time else late)
+                    replies[seat] = (fields if in_time else {}), now - sent_at[seat], (fault if in_time else _LATE)
             for seat in [seat for seat, end in due.items() if now > end]:
                 del due[seat]
                 poll.unregister(self._processes[seat].answer_pipe)  # later answers are too late
-                replies[seat] = {}, now - sent_at[seat], late
+                replies[seat] = {}, now - sent_at[seat], _LATE
             if while_waiting is not None and due and now >= call_at:
                 try:
                     while_waiting()
@@ -242,6 +242,9 @@ class Players(AbstractContextManager["Players"]):
         for seat, (_, seconds, fault) in replies.items():
             if fault is ENDED:
                 replies[seat] = {}, seconds, Fault("FORFEIT_CRASH", f"{doing}: {self._end_of_process(seat)}")
+            elif fault is _LATE:
+                why = f"{doing} took longer than {self._limit_name(doing)}"
+                replies[seat] = {}, seconds, replace(fault, reason=why)
         return replies
 
     def _limit_name(self, doing: str) -> str:
@@ -287,7 +290,7 @@ def _parse(doing: str, received: bytes | Fault, process: AgentProcess) -> tuple[
     if isinstance(received, Fault):
         return {}, received
     try:
-        fields = json.loads(received)
+        fields = protocol.read_json(received)
     except (ValueError, RecursionError):
         fields = None
     if not isinstance(fields, dict):

@@ -46,12 +46,30 @@ def view_line(observation: Sequence[float], mask: Sequence[int]) -> bytes:
 
 def action_line(action: object) -> bytes:
     """Return an agent's action as a line; a value that JSON cannot express becomes text, which no control accepts."""
+    if type(action) is int:  # the usual case without other calls
+        return b'{"action":%d}\n' % action
     try:
-        return b'{"action":%s}\n' % json.dumps(plain_action(action), default=_plain).encode()
+        return b'{"action":%s}\n' % _ENCODER.encode(plain_action(action)).encode()
     except (TypeError, ValueError, RecursionError):
         return line(action=repr(type(action)))
+
+
+def read_json(content: bytes) -> Any:
+    """Return the value in a line.
+
+    Raises:
+        ValueError, RecursionError: if it is not JSON. NaN, infinities and lone surrogates are read as Python writes
+            them.
+    """
+    try:
+        return msgspec.json.decode(content)
+    except ValueError:
+        return json.loads(content)
 
 
 def _plain(value: Any) -> Any:
     plain = as_python(value)
     return repr(value) if plain is value else plain
+
+
+_ENCODER: Final = json.JSONEncoder(default=_plain)
