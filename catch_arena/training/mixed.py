@@ -59,7 +59,18 @@ class MixedBatch:
                 players.begin(self._rng)
 
     def seat(self, arenas: NDArray[np.int64], numbers: NDArray[np.int64]) -> None:
-        """Give the agents of these arenas (n,) their players, by number or LEARNER: (n, N)."""
+        """Give the agents of these arenas (n,) their players, by number or LEARNER: (n, N).
+
+        Raises:
+            ConfigError: for a number that no player of that side has; all keep their players.
+        """
+        for side, players in self.players.items():
+            given, last = numbers[:, players.agents], len(players.pool) - 1
+            wrong = given[(given < LEARNER) | (given > last)].tolist()
+            if wrong:
+                raise ConfigError(
+                    f"players of {side} must be numbers from {LEARNER} (LEARNER) to {last}, got {wrong[0]}"
+                )
         for players in self.players.values():
             players.seat(arenas, None, numbers[:, players.agents], self._rng)
         self.arena.set_controls(self.players["hunter"].controls(arenas, "velocity"), arenas)

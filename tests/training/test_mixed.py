@@ -114,6 +114,15 @@ def test_the_first_reset_begins_the_agents_also_without_a_seed(seed):
     assert Counts.resets == 1
 
 
+@pytest.mark.parametrize("number", [-2, 1])
+def test_a_number_that_no_player_has_is_refused_and_seats_nobody(number):
+    batch = MixedBatch(scenario("duel", **SHORT), 2, {"hunter": ["nearest"]})
+    batch.seat(np.arange(2), np.zeros((2, 2), np.int64))
+    with pytest.raises(ConfigError, match=rf"numbers from -1 \(LEARNER\) to 0, got {number}$"):
+        batch.seat(np.arange(2), np.full((2, 2), number))
+    assert batch.seated.tolist() == [[0, 0], [0, 0]]
+
+
 def test_a_step_before_the_first_reset_is_refused():
     batch = MixedBatch(scenario("duel", **SHORT), 2, {"hunter": ["nearest"]})
     with pytest.raises(EpisodeError, match=r"^no episode has begun; call reset\(\) first$"):
