@@ -25,8 +25,8 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
     """
     found: list[str] = []
     differ: list[int] = []
-    for step, (engine,), agrees in replayed_states(replay):
-        if not agrees:
+    for step, (engine,), ((recorded, played),) in replayed_states(replay):
+        if recorded != played:
             differ.append(step)
         if not found and engine.ends.item() and step < replay.steps:
             found = [f"the match ends in {state_name(step)}, but {replay.steps} steps are recorded"]
@@ -55,8 +55,8 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
             return [*found, f"with different {kind}, actions and states cannot be compared"]
     found += _first_actions(first, second)
     states: list[str] = []
-    for step, engines, agree in replayed_states(first, second):
-        if not agree and not states:
+    for step, engines, digests in replayed_states(first, second):
+        if len(set(digests)) > 1 and not states:
             states = _different_states(first, second, step, [engine.world() for engine in engines])
     found += states
     if first.steps != second.steps:

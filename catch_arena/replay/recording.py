@@ -145,8 +145,8 @@ class Replay(EqualByBits):
         Raises:
             ReplayError: if a state differs; it names the first such step.
         """
-        for step, (engine, *_), agrees in replayed_states(self):
-            if not agrees:
+        for step, (engine, *_), ((recorded, played), *_) in replayed_states(self):
+            if recorded != played:
                 raise ReplayError(
                     f"the replay does not play as it was recorded: the states first differ in {state_name(step)}"
                 )
@@ -286,20 +286,17 @@ def state_name(step: int) -> str:
     return "the initial state" if step == 0 else f"step {step}"
 
 
-def replayed_states(*matches: Replay) -> Iterator[tuple[int, tuple[Engine, ...], bool]]:
-    """Play matches again side by side, up to the end of the longest, and compare the digests of their states.
+def replayed_states(*matches: Replay) -> Iterator[tuple[int, tuple[Engine, ...], list[tuple[bytes, bytes]]]]:
+    """Play matches again side by side, up to the end of the longest.
 
     Yields:
         at every step's boundary the number of steps, each match's engine (the same one every time; after the end it
-        keeps the last state), and whether all digests of these states agree: the recorded ones and those as played.
+        keeps the last state), and the digests of these states, as recorded and as played, of matches that go on.
     """
     playing = [match.engines() for match in matches]
     engines = tuple(map(next, playing))
     for step in range(max(match.steps for match in matches) + 1):
-        digests = set()
-        for match, engine in zip(matches, engines, strict=True):
-            if step <= match.steps:
-                digests |= {match.digests[step], engine.digest()}
-        yield step, engines, len(digests) == 1
+        pairs = zip(matches, engines, strict=True)
+        yield step, engines, [(match.digests[step], engine.digest()) for match, engine in pairs if step <= match.steps]
         for played in playing:
             next(played, None)

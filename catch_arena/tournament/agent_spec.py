@@ -26,6 +26,8 @@ LADDER: Final = "ladder."
 """Prefix of the names of frozen learned agents, which are in the package `catch_arena.agents.ladder`."""
 IN_FOLDER: Final = "agent.py"
 """Name of the file with the class `Agent`, if an agent is a folder."""
+_ELSE: Final = f"a .py file, a folder with {IN_FOLDER}, package.module:Class, or {COMMAND}COMMAND"
+"""Agents besides the shipped ones, in words for an error."""
 _WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
 _LARGEST_SOURCE: Final = 1 << 26
 """Largest part of a file that is read [bytes]."""
@@ -116,13 +118,11 @@ def resolve(word: str) -> AgentSpec:
         return _resolve_path(word, path)
     if ":" in word:
         return AgentSpec(word, tuple(word.replace(":", ".").split(".")))
-    if not word.startswith(LADDER) and (path.suffix or path.with_suffix(".py").is_file()):
-        right = f"; a file is given with its ending, as {path.stem}.py" if path.with_suffix(".py").is_file() else ""
-        raise AgentError(f"{word}: no such file{right}")
-    raise AgentError(
-        f"unknown agent {word!r}: {suggest(word, known)} "
-        f"(or give a .py file, a folder with {IN_FOLDER}, package.module:Class, or {COMMAND}COMMAND)"
-    )
+    if path.with_suffix(".py").is_file():
+        raise AgentError(f"{word}: no such file; a file is given with its ending, as {path.stem}.py")
+    if path.suffix and not word.startswith(LADDER):
+        raise AgentError(f"{word}: no such file; give a shipped agent's name, {_ELSE}")
+    raise AgentError(f"unknown agent {word!r}: {suggest(word, known)} (or give {_ELSE})")
 
 
 def unique_names(found: Sequence[AgentSpec]) -> list[str]:

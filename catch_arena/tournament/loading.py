@@ -6,10 +6,10 @@ import importlib.util
 import os
 import sys
 from collections.abc import Iterator
-from contextlib import ContextDecorator, contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import cache
 from pathlib import Path
-from types import ModuleType, SimpleNamespace
+from types import ModuleType
 from typing import Any, Final
 
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, reason, suggest
@@ -46,9 +46,9 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
     Raises:
         AgentError: if it cannot; the text gives the reason.
     """
-    found, own = agent_class(spec, side), _own_modules(folder_of(spec))
+    found, folder = agent_class(spec, side), folder_of(spec)
     try:
-        with own or nullcontext():
+        with _own_modules(folder):
             policy: Any = found()
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         raise AgentError(f"{spec}: {found.__name__}() raised {reason(error)}") from error
@@ -59,10 +59,11 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
     if side == "prey" and control not in {None, "velocity"}:
         raise AgentError(f"{spec}: Prey.control must be velocity or be left out (R12.2), got {control!r}")
     try:
-        control_of(policy)
+        if side == "hunter":
+            control_of(policy)
     except CatchArenaError:
         raise AgentError(f"{spec}: control must be target, velocity or full, got {control!r}") from None
-    made: Policy | PreyPolicy = policy if own is None else _with_modules(policy, own)
+    made: Policy | PreyPolicy = policy if folder is None or folder not in _OWN else _InFolder(policy, folder)
     return made
 
 
@@ -146,14 +147,18 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
         raise AgentError(f"{path}: is no Python file")
     module = sys.modules[name] = importlib.util.module_from_spec(spec)  # dataclasses need their module in sys.modules
     try:
-        with _process_restored(), _own_modules(folder) or nullcontext():
-            spec.loader.exec_module(module)
+        with _process_restored():
+            own = None if folder is None or str(folder) in sys.path else _OwnModules(folder)
+            with own or nullcontext():
+                spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         del sys.modules[name]
         why = _why_not_imported(error, path.stem, path.parent if folder is None else None)
         if isinstance(error, SyntaxError | ValueError) and any(words in str(error) for words in _ENCODING_ERRORS):
             why = "is not UTF-8: save it as UTF-8"
         raise AgentError(f"{path}: {why}") from error
+    if own is not None and folder is not None:
+        _OWN[folder] = own
     return module
 
 
@@ -174,20 +179,21 @@ def _process_restored() -> Iterator[None]:
         sys.stdin, sys.stdout, sys.stderr = streams
 
 
-class _OwnModules(ContextDecorator):
-    """Context, and decorator of functions, in which an agent imports modules from its folder.
+class _OwnModules(AbstractContextManager[None]):
+    """Context in which an agent imports modules from its folder, as often as it is entered.
 
-    They are removed afterwards, since another agent's may have the same names. In an agent's own process the folder is
-    in `sys.path` already, and the modules stay.
+    They are removed at its end, since another agent's may have the same names.
     """
 
     def __init__(self, folder: Path) -> None:
         self._folder = str(folder)
         self._modules: dict[str, ModuleType] = {}
+        self._replaced: dict[str, ModuleType] = {}
         self._known = 0
 
     def __enter__(self) -> None:
         sys.path.insert(0, self._folder)
+        self._replaced = {name: sys.modules[name] for name in self._modules if name in sys.modules}
         sys.modules.update(self._modules)
         self._known = len(sys.modules)
 
@@ -195,24 +201,48 @@ class _OwnModules(ContextDecorator):
         if self._folder in sys.path:  # the agent may have changed it
             sys.path.remove(self._folder)
         new = list(sys.modules)[self._known :] if len(sys.modules) > self._known else ()  # they come last
-        for name in new:
-            file = getattr(sys.modules[name], "__file__", None)
-            if isinstance(file, str) and Path(file).is_relative_to(self._folder) and not name.startswith(_FILE_MODULE):
-                self._modules[name] = sys.modules[name]
+        self._modules |= {name: sys.modules[name] for name in new if self._has(sys.modules[name])}
         for name in self._modules:
             sys.modules.pop(name, None)
+        sys.modules.update(self._replaced)
+
+    def _has(self, module: ModuleType) -> bool:
+        """Return whether a module, or a package without an `__init__.py`, is in the folder."""
+        if (spec := getattr(module, "__spec__", None)) is None or spec.name.startswith(_FILE_MODULE):
+            return False
+        places = (spec.origin, *(spec.submodule_search_locations or ()))
+        return any(Path(place).is_relative_to(self._folder) for place in places if place is not None)
 
 
-@cache
-def _own_modules(folder: Path | None) -> _OwnModules | None:
-    """Return the context for an agent in this folder; None if it imports nothing from a folder of its own."""
-    return None if folder is None or str(folder) in sys.path else _OwnModules(folder)
+_OWN: Final[dict[Path, _OwnModules]] = {}
+"""Contexts of the agents in folders that play in this process, by folder.
+
+In an agent's own process the folder is in `sys.path`, and needs none.
+"""
 
 
-def _with_modules(policy: Any, own: _OwnModules) -> Any:
-    """Return an agent's instance, whose methods can import modules from its folder whenever they are called."""
-    methods = {name: own(getattr(policy, name)) for name in ("reset", "act", "act_batch") if hasattr(policy, name)}
-    return SimpleNamespace(**methods, control=getattr(policy, "control", "target"))
+def _own_modules(folder: Path | None) -> AbstractContextManager[None]:
+    return nullcontext() if folder is None else _OWN.get(folder, nullcontext())
+
+
+class _InFolder:
+    """Instance of an agent that can import modules from its folder whenever it is called."""
+
+    def __init__(self, policy: Any, folder: Path) -> None:
+        self._policy, self._folder = policy, folder
+
+    def reset(self, seed: int) -> None:
+        with _own_modules(self._folder):
+            self._policy.reset(seed)
+
+    def act(self, view: Any) -> Any:
+        with _own_modules(self._folder):
+            return self._policy.act(view)
+
+    def __getattr__(self, name: str) -> Any:
+        if name not in {"act_batch", "control"}:
+            raise AttributeError(name)
+        return getattr(self._policy, name)
 
 
 def _why_not_imported(error: BaseException, module: str, folder: Path | None = None) -> str:

@@ -113,7 +113,11 @@ def test_states_are_compared_as_they_play_too(pair):
 def test_a_replay_equals_its_copy_even_if_it_does_not_play_as_recorded(pair):
     _, edited = pair
     edited.commands[22][1] = -edited.commands[22][1]
-    assert replay_differences(edited, copy.deepcopy(edited)) == []
+    copied = copy.deepcopy(edited)
+    assert replay_differences(edited, copied) == []
+    copied.title = "another"
+    found = replay_differences(edited, copied)
+    assert [line.partition(":")[0] for line in found] == ["title", "final scores of the hunters"]
 
 
 def test_diff_exits_with_0_1_or_2(play, mixed, catch_arena):

@@ -1,5 +1,6 @@
 """A word on the command line becomes an entrant with a name and a digest, or an error that explains why not."""
 
+import copy
 import re
 import sys
 from pathlib import Path
@@ -109,7 +110,7 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
         ("", "an agent must be a name, a file, a folder or a command, got ''"),
         ("neerest", "unknown agent 'neerest': did you mean nearest"),
         ("missing.py", "missing.py: no such file"),
-        ("missing.zip", "^missing.zip: no such file$"),
+        ("missing.zip", "^missing.zip: no such file; give a shipped agent's name, a .py file, a folder"),
         ("helpers", r"^helpers: no such file; a file is given with its ending, as helpers\.py$"),
         (
             "neighbours.py",
@@ -206,11 +207,14 @@ class Agent:
         from helper import CHOICE
         self.choices = [CHOICE]
     def reset(self, seed):
-        import deeper
+        from package import deeper
         self.choices.append(deeper.CHOICE)
+        self.act = self.choose
     def act(self, view):
-        import deeper
+        return 0
+    def choose(self, view):
         from helper import CHOICE
+        from package import deeper
         return CHOICE if self.choices == [CHOICE, deeper.CHOICE] else 0
 """
 
@@ -222,17 +226,17 @@ def test_an_agent_may_be_a_folder_whose_modules_are_its_own(agent_file, source):
     """
     for name, choice in (("ann", 1), ("bob", 2)):
         agent_file(f"CHOICE = {choice}\n", f"{name}/helper.py")
-        agent_file("import helper\nCHOICE = helper.CHOICE\n", f"{name}/deeper.py")
+        agent_file("import helper\nCHOICE = helper.CHOICE\n", f"{name}/package/deeper.py")
         agent_file(source, f"{name}/agent.py")
     folders = [str(Path(agent_file(HOLDS)).parent / name) for name in ("ann", "bob")]
     entrants = enter(folders)
     assert [one.name for one in entrants] == ["ann", "bob"]
-    agents = [one.create() for one in entrants]
+    agents = [copy.deepcopy(one.create()) for one in entrants]
     for agent in agents:
         agent.reset(0)
     for _ in range(2):
         assert [agent.act(None) for agent in agents] == [1, 2]
-    assert not {"helper", "deeper"} & set(sys.modules)
+    assert not {"helper", "package"} & set(sys.modules)
     assert not set(folders) & set(sys.path)
     agent_file("CHOICE = 3\n", "ann/helper.py")
     assert enter(folders)[0].digest != entrants[0].digest

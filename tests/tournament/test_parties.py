@@ -178,6 +178,11 @@ def test_prey_that_cannot_play_forfeits_as_prey_alone(tmp_path, prey, message):
     assert message in result.forfeits[3].reason
 
 
+def test_prey_may_name_no_control(tmp_path):
+    mine = write_agent(tmp_path / "mine.py", before="class Prey:\n    control = None\n" + RESETS_AND_ACTS)
+    assert play_entrants(TAG, 1, enter(["nearest", "patrol", "intercept", mine]), None).forfeit_codes == (None,) * 4
+
+
 def test_every_format_seats_each_player_of_a_block_equally_often_on_each_place():
     for config in (TAG, HERD, scenario("tag", teams=((0, 1, 2),))):
         parties = Parties.of(config)

@@ -18,17 +18,18 @@ _Task = TypeVar("_Task", bound=Hashable)
 _Result = TypeVar("_Result")
 
 _MOST_TRIES: Final = 3
-"""Number of tries of a block, or of another task, that fails on our side."""
+"""Largest number of tries of a block, or of another task, that fails on our side."""
 _MOST_HELD: Final = 256
 """Largest number of played blocks that wait in memory for an earlier block."""
 _PAUSE_S: Final = 1.0
-"""Pause before a failed task is begun again [s]."""
+"""Pause before failed tasks are begun again [s]."""
 
 
 class WorkQueue(Generic[_Task, _Result]):
     """Tasks that an executor does in parallel, such as blocks to play and submissions to grade.
 
-    One that fails on our side is done again alone, so that it costs no other one: three times in all.
+    One that fails on our side is done again, at most three times in all. The last time nothing else is running, so that
+    it costs no other one.
 
     Args:
         executor: does the tasks.
@@ -39,7 +40,7 @@ class WorkQueue(Generic[_Task, _Result]):
         self._executor = executor
         self._begin = begin
         self._running: dict[Future[_Result], _Task] = {}
-        self._failures: Counter[_Task] = Counter()  # of tasks that are to be done again
+        self._failures: Counter[_Task] = Counter()  # of tasks that are done again
 
     def __bool__(self) -> bool:
         """Return whether a begun task has not ended."""
@@ -47,8 +48,12 @@ class WorkQueue(Generic[_Task, _Result]):
 
     @property
     def has_room(self) -> bool:
-        """True if another task can be begun: the executor has room, and no task is to be done again."""
-        return not self._failures and len(self._running) < self._executor.max_pending
+        """True if another task can be begun: the executor has room, and no task is to be done alone."""
+        return not self._alone and len(self._running) < self._executor.max_pending
+
+    @property
+    def _alone(self) -> list[_Task]:
+        return [task for task, failures in self._failures.items() if failures == _MOST_TRIES - 1]
 
     def begin(self, task: _Task) -> None:
         """Begin a task; if it has begun already, its result is dropped and it begins again."""
@@ -60,9 +65,9 @@ class WorkQueue(Generic[_Task, _Result]):
     def ended(self) -> Iterator[tuple[_Task, _Result | MatchFailedError]]:
         """Wait, and yield the tasks that have ended, with their results; the error after three failures."""
         if not self._running:
-            time.sleep(_PAUSE_S)
-            self.begin(next(iter(self._failures)))
+            self.begin(self._alone[0])
         done = wait(list(self._running), return_when=FIRST_COMPLETED).done
+        failed = []
         for future in [future for future in self._running if future in done]:
             task = self._running.pop(future)
             result: _Result | MatchFailedError
@@ -71,10 +76,16 @@ class WorkQueue(Generic[_Task, _Result]):
             except MatchFailedError as error:
                 self._failures[task] += 1
                 if self._failures[task] < _MOST_TRIES:
+                    failed.append(task)
                     continue
                 result = error
             del self._failures[task]
             yield task, result
+        if failed:
+            time.sleep(_PAUSE_S)
+        for task in failed:
+            if task not in self._alone:
+                self.begin(task)
 
 
 class ForfeitStreaks:

@@ -46,9 +46,9 @@ def view_line(observation: Sequence[float], mask: Sequence[int]) -> bytes:
 
 def action_line(action: object) -> bytes:
     """Return an agent's action as a line; a value that JSON cannot express becomes text, which no control accepts."""
-    if type(action) is int:  # the usual case without other calls
-        return b'{"action":%d}\n' % action
     try:
+        if type(action) is int:  # the usual case without other calls
+            return b'{"action":%d}\n' % action
         return b'{"action":%s}\n' % _ENCODER.encode(plain_action(action)).encode()
     except (TypeError, ValueError, RecursionError):
         return line(action=repr(type(action)))

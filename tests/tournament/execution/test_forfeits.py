@@ -17,7 +17,7 @@ from catch_arena import scenario
 from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution import block_queue
-from catch_arena.tournament.execution.block_queue import ForfeitStreaks
+from catch_arena.tournament.execution.block_queue import ForfeitStreaks, WorkQueue
 from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.match import Fault, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch, ranks_of
@@ -163,6 +163,27 @@ def test_who_is_out_is_not_started_and_the_others_play_on(tmp_path, jobs):
     assert str(result.forfeits[seat]) == "FORFEIT_OUT before the first step: it had forfeited 3 matches in a row"
     assert result.ranks[seat] == 2
     assert (result.steps, result.thinking[1 - seat].moves) == (60, 60)
+
+
+def test_a_task_that_failed_twice_is_done_alone(monkeypatch):
+    monkeypatch.setattr(block_queue, "_PAUSE_S", 0.0)
+    log: list[str] = []
+
+    def begin(task):
+        log.append(f"begin {task}")
+        future = Future()
+        future.set_exception(MatchFailedError("no")) if task == "bad" else future.set_result(None)
+        return future
+
+    work = WorkQueue(SimpleNamespace(max_pending=2, result=lambda future: future.result()), begin)
+    waiting = ["bad", "a", "b", "c"]
+    while waiting or work:
+        while waiting and work.has_room:
+            work.begin(waiting.pop(0))
+        for task, _ in work.ended():
+            log.append(f"end {task}")
+    first, again, alone = ["begin bad", "begin a", "end a"], ["begin bad", "begin b", "end b"], ["begin bad", "end bad"]
+    assert log == [*first, *again, *alone, "begin c", "end c"]
 
 
 def test_a_slow_block_holds_the_rest_back_before_they_fill_the_memory():
