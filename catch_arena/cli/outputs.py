@@ -11,7 +11,9 @@ import typer
 from catch_arena.errors import ConfigError, OutputError
 from catch_arena.files import prepare_folder, regular_file, unwritable
 
-Force = Annotated[bool, typer.Option("--force", help="Replace the file if it exists.")]
+Force = Annotated[
+    bool, typer.Option("--force", help="Replace the file if it exists, and use the folder if it has other files.")
+]
 Junit = Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the results as JUnit XML.")]
 Json = Annotated[Path | None, typer.Option(metavar="FILE", help="Also write the results as JSON.")]
 

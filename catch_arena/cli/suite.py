@@ -9,7 +9,7 @@ import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
-from catch_arena.cli.outputs import Json, reserve_file
+from catch_arena.cli.outputs import Force, Json, reserve_file
 from catch_arena.cli.terminal import echo, noting_kept_results, own_console, plain_table, progress_bar
 from catch_arena.cli.tournaments import require_own_folder
 from catch_arena.files import write_whole
@@ -43,10 +43,7 @@ def suite(
         typer.Option("--runs", help="Treat the agents as training runs of one method, with one training seed each."),
     ] = False,
     json: Json = None,
-    force: Annotated[
-        bool,
-        typer.Option("--force", help="Replace FILE if it exists, and write into DIR even if it has other files."),
-    ] = False,
+    force: Force = False,
     out: Annotated[
         Path | None,
         typer.Option(

@@ -91,10 +91,7 @@ def tournament(
         Path, typer.Option(metavar="DIR", help="Folder for the matches, the standings and the agents' logs.")
     ] = Path("out/tournament"),
     resume: Resume = False,
-    force: Annotated[
-        bool,
-        typer.Option("--force", help="Write into DIR even if it has files of another origin."),
-    ] = False,
+    force: Force = False,
     record: Annotated[bool, typer.Option("--record", help="Also save a replay of each match, in DIR/replays.")] = False,
     watch: Annotated[bool, typer.Option("--watch", help="Serve a live report on 127.0.0.1, until Ctrl-C.")] = False,
 ) -> None:

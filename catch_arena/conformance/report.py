@@ -11,9 +11,10 @@ from catch_arena.conformance.comparison import Compared
 from catch_arena.conformance.results import Diagnosis, Failure, Result, diagnose, wrapped
 from catch_arena.text import printable, printable_lines
 
-_MOST_LINES: Final = 48
+_MOST_LINES: Final = 44
 """Length of the diagnoses that a report has in full [lines]: with the rest it fits on a page."""
-_MOST_LINES_OF_OTHERS: Final = 6
+_MOST_OTHERS: Final = 8
+"""Number of further mistakes that are named."""
 _MOST_LINES_OF_IDS: Final = 2
 
 
@@ -56,9 +57,12 @@ class Report:
         shown = 1
         while shown < len(texts) and "\n\n".join(texts[: shown + 1]).count("\n") < _MOST_LINES:
             shown += 1
-        more = "; ".join(map(_heading, self.diagnoses[shown:]))
-        others = [wrapped(f"More mistakes: {more}", max_lines=_MOST_LINES_OF_OTHERS)] if more else []
-        return "\n\n".join([*texts[:shown], *others, wrapped(self.summary)])
+        others = sorted(self.diagnoses[shown:], key=lambda one: -len(one.failures))
+        more = [wrapped(_heading(one), "  ", 1) for one in others[:_MOST_OTHERS]]
+        if len(others) > len(more):
+            more.append(f"  ... and {len(others) - len(more)} more")
+        more = ["\n".join(["More mistakes:", *more])] if others else []
+        return "\n\n".join([*texts[:shown], *more, wrapped(self.summary)])
 
     def in_full(self) -> str:
         """Return every failure, and the summary."""

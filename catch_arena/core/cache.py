@@ -4,22 +4,18 @@ import contextlib
 import hashlib
 import pickle
 import sys
-from collections.abc import Callable
 from functools import cache
 from pathlib import Path
-from typing import Any, Final
+from typing import Any
 
 import numba.core.caching
 import numba.core.serialize
 
-from catch_arena.core.cache_folder import CACHE_DIRECTORY
+from catch_arena.core.cache_folder import CACHE_DIRECTORY, on_miss
 from catch_arena.core.modes import COMPILER
 
 caching: Any = numba.core.caching
 serialize: Any = numba.core.serialize
-
-on_miss: Final[list[Callable[[], None]]] = []
-"""Functions to call when the cache lacks code, which is then compiled."""
 
 
 class _Place(caching.InTreeCacheLocator):  # type: ignore[misc]

@@ -10,7 +10,7 @@ import os
 import shutil
 import stat
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Final
 
@@ -18,6 +18,8 @@ import platformdirs
 
 from catch_arena.core.modes import CHECKED, COMPILER, INTERPRETED
 
+on_miss: Final[list[Callable[[], None]]] = []
+"""Functions to call when the cache lacks code, which is then compiled."""
 _MOST_KEPT: Final = 16
 """Number of states of the sources that are kept."""
 

@@ -17,8 +17,12 @@ import numba.extending
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core.cache import kept
 from catch_arena.core.modes import COMPILER, INTERPRETED
+
+try:
+    from catch_arena.core import cache
+except (ImportError, AttributeError):  # this Numba lacks something that is not public
+    cache = None  # type: ignore[assignment]
 
 _logger = logging.getLogger("numba")
 if _logger.level == logging.NOTSET:  # with the root logger at DEBUG each compilation writes megabytes
@@ -71,7 +75,9 @@ def entry(function: F) -> F:
     """
     if INTERPRETED:
         return _with_silent_overflow(function)
-    return cast(F, kept(unkept_entry(function)))
+    if cache is None:
+        return cast(F, numba.njit(cache=True, **_WHOLE)(function))
+    return cast(F, cache.kept(unkept_entry(function)))
 
 
 def _with_silent_overflow(function: F) -> F:

@@ -8,8 +8,7 @@ from contextlib import contextmanager
 from functools import cache, partial
 from typing import Final
 
-from catch_arena.core.cache import on_miss
-from catch_arena.core.cache_folder import CACHE_DIRECTORY
+from catch_arena.core.cache_folder import CACHE_DIRECTORY, on_miss
 from catch_arena.core.modes import COMPILER, INTERPRETED
 
 _COMMON_S, _ALL_S = (5, 7) if COMPILER else (20, 25)

@@ -323,7 +323,7 @@ class Engine(ArenaReader):
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be that of {wanted} here, got that of {got}")
         _, memory, _ = self._parts(0 if alone else None)
-        if [np.shape(part) for part in saved.memory] != [part.shape for part in memory]:
+        if [(part.shape, part.dtype) for part in saved.memory] != [(part.shape, part.dtype) for part in memory]:
             size, found = (sum(part.nbytes for part in parts) for parts in (memory, saved.memory))
             raise ConfigError(
                 f"saved must come from this version of Catch Arena, in which it has {size} bytes, got other {found}"

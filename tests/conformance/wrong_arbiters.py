@@ -331,28 +331,6 @@ KNOWN: dict[str, PlainArbiter] = {
     "every tied hunter wins": PlainArbiter(decide=all_tied_win),
     "a lot is drawn wrongly": PlainArbiter(of_tied=drawn_by_a_count),
     "the nearest is found in floats, not in whole micrometres": PlainArbiter(winner=nearest_in_floats),
-    "names are compared without regard to case": known_alike(str.casefold),
-    "names are normalised (NFC) before they are compared": known_alike(partial(unicodedata.normalize, "NFC")),
-    "names are normalised (NFKC) before they are compared": known_alike(partial(unicodedata.normalize, "NFKC")),
-    "spaces around names are ignored": PlainArbiter(
-        target_named=lambda self, name: right.target_named(self, name.strip())
-    ),
-    "a name ends at its first NUL": PlainArbiter(
-        target_named=lambda self, name: right.target_named(self, name.partition("\0")[0])
-    ),
-    "a prefix of a name is accepted": PlainArbiter(
-        target_named=lambda self, name: next((one for one in self.case["targets"] if one.startswith(name)), None)
-    ),
-    "the length of a name is counted in bytes": PlainArbiter(
-        is_name=lambda _, name: isinstance(name, str) and len(name.encode()) <= 255
-    ),
-    "names of 256 characters are allowed": PlainArbiter(
-        is_name=lambda _, name: isinstance(name, str) and len(name) <= 256
-    ),
-    "an empty name is MALFORMED": PlainArbiter(is_name=lambda self, name: bool(name) and right.is_name(self, name)),
-    "anything is a name": PlainArbiter(
-        given=lambda _, case: case | {"requests": [(hunter, str(name)) for hunter, name in case["requests"]]}
-    ),
     "DUPLICATE is never given": PlainArbiter(note=lambda *_: None),
     "a hunter's last request stands, not its first": PlainArbiter(
         given=lambda _, case: case | {"requests": case["requests"][::-1]}, returned=lambda _, rulings: rulings[::-1]
@@ -415,6 +393,28 @@ KNOWN: dict[str, PlainArbiter] = {
     ),
     "the rulings are not in the order of the requests": PlainArbiter(
         returned=lambda _, rulings: sorted(rulings, key=lambda ruling: str(ruling["target"]))
+    ),
+    "names are compared without regard to case": known_alike(str.casefold),
+    "names are normalised (NFC) before they are compared": known_alike(partial(unicodedata.normalize, "NFC")),
+    "names are normalised (NFKC) before they are compared": known_alike(partial(unicodedata.normalize, "NFKC")),
+    "spaces around names are ignored": PlainArbiter(
+        target_named=lambda self, name: right.target_named(self, name.strip())
+    ),
+    "a name ends at its first NUL": PlainArbiter(
+        target_named=lambda self, name: right.target_named(self, name.partition("\0")[0])
+    ),
+    "a prefix of a name is accepted": PlainArbiter(
+        target_named=lambda self, name: next((one for one in self.case["targets"] if one.startswith(name)), None)
+    ),
+    "the length of a name is counted in bytes": PlainArbiter(
+        is_name=lambda _, name: isinstance(name, str) and len(name.encode()) <= 255
+    ),
+    "names of 256 characters are allowed": PlainArbiter(
+        is_name=lambda _, name: isinstance(name, str) and len(name) <= 256
+    ),
+    "an empty name is MALFORMED": PlainArbiter(is_name=lambda self, name: bool(name) and right.is_name(self, name)),
+    "anything is a name": PlainArbiter(
+        given=lambda _, case: case | {"requests": [(hunter, str(name)) for hunter, name in case["requests"]]}
     ),
 }
 """An arbiter for each mistake, by its name in catch_arena/conformance/mistakes.toml and in that order."""

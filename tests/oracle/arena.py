@@ -554,7 +554,7 @@ class OracleArena:
             )
             if hunter.withdrawn:
                 parts = (0.0,) * len(parts)
-            paid = [name for name in PART_NAMES if name != "mate_catch" or self.teams is not None]
+            paid = [name for name in PART_NAMES if name != "mate_catch"] + ["mate_catch"] * (self.teams is not None)
             reward, *others = (weights[name] * parts[PART_NAMES.index(name)] for name in paid)
             for other in others:
                 reward = reward + other

@@ -116,6 +116,12 @@ def test_a_numba_that_lacks_something_selects_its_own_way(missing, tmp_path):
     assert run_small(tmp_path, before, NUMBA_DISABLE_JIT="1").startswith("None\n")
 
 
+def test_a_numba_with_another_cache_keeps_code_in_its_own_way(tmp_path):
+    before = "import numba.core.caching\ndel numba.core.caching.InTreeCacheLocator\n"
+    before += "from catch_arena.core.jit import cache\nprint(cache)\n"
+    assert run_small(tmp_path, before, NUMBA_DISABLE_JIT="1").startswith("None\n")
+
+
 @pytest.mark.skipif(INTERPRETED, reason="nothing is compiled")
 @pytest.mark.parametrize(
     "part",

@@ -4,7 +4,7 @@ import gc
 
 import pytest
 
-from catch_arena.core import cache
+from catch_arena.core import cache, cache_folder
 from catch_arena.core.jit import entry
 from catch_arena.core.modes import INTERPRETED
 from catch_arena.engine import compiling
@@ -63,4 +63,4 @@ def test_an_interrupted_compilation_leaves_no_trace():
     with pytest.raises(KeyboardInterrupt), announced(batch=True, all_rules=True):
         raise KeyboardInterrupt
     assert gc.isenabled()
-    assert not cache.on_miss
+    assert not cache_folder.on_miss
