@@ -1,5 +1,7 @@
 """Entry point of the command `catch-arena` and of `python -m catch_arena`."""
 
+import sys
+
 from catch_arena import interrupts
 
 TYPE_CHECKING = False  # see interrupts
@@ -24,4 +26,6 @@ def main(words: "Sequence[str] | None" = None, name: str = "catch-arena") -> "No
 
 
 if __name__ == "__main__":
+    if not sys.flags.isolated and not getattr(sys.flags, "safe_path", False):
+        del sys.path[0]  # the starting folder: `python -m` searches it for modules, and agents must not
     main()

@@ -39,6 +39,10 @@ class StoreError(CatchArenaError):
     """A tournament's store that cannot be used."""
 
 
+class DamagedStoreError(StoreError):
+    """A tournament's store with values that no command has written."""
+
+
 class OtherTournamentError(StoreError):
     """A tournament's store that holds another tournament."""
 

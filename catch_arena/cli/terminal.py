@@ -15,7 +15,7 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from rich.table import Table
 
 from catch_arena import interrupts
-from catch_arena.errors import MatchFailedError, OutputError, StoreError
+from catch_arena.errors import DamagedStoreError, MatchFailedError, OutputError, StoreError
 from catch_arena.text import printable_lines
 
 WIDE: Final = 80
@@ -92,6 +92,8 @@ def noting_kept_results(kept: str) -> Iterator[None]:
     interrupts.add_to_message(kept)
     try:
         yield
+    except DamagedStoreError:
+        raise
     except (MatchFailedError, OutputError, StoreError) as error:
         error.args = (f"{error}; {kept}",)
         raise

@@ -127,7 +127,8 @@ def tournament(
     setup = Setup(out, plan, Worker(config, entrants, record, quotas), secret, max_forfeits)
     require_own_folder(out, force=force)
     if not (out / STORE).exists():
-        cost = measure_cost(setup.worker, plan)
+        with own_console(err=True).status("trying some matches"):
+            cost = measure_cost(setup.worker, plan)
         own_console(err=True).print(plan_table(plan, len(entrants), cost, jobs))
 
     with setup.begin(resume=resume) as store, _watched(out) if watch else nullcontext():

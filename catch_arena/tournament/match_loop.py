@@ -12,6 +12,7 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.envs.actions import checked_action
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import ActionError, ConfigError
+from catch_arena.interrupts import was_interrupted
 from catch_arena.policy import Policy, PreyPolicy, player_limits
 from catch_arena.text import one_line, printable_lines
 from catch_arena.tournament.entrants import Entrant
@@ -123,6 +124,8 @@ def play_match(
         while env.agents and match.step != most_steps:
             observations, infos = match.play_step(observations, infos)
             watch(env)
+            if was_interrupted():  # a trusted agent may have caught the interrupt
+                raise KeyboardInterrupt
     except MatchStopped:
         pass
     result = match.result()

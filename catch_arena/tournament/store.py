@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, Final, TypeVar
 import msgspec
 
 from catch_arena.config import RULESET, ArenaConfig
-from catch_arena.errors import OtherTournamentError, StoreError
+from catch_arena.errors import DamagedStoreError, OtherTournamentError, StoreError
 from catch_arena.text import one_line
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -71,8 +71,6 @@ class Tournament:
     ruleset: str = RULESET
 
     def __post_init__(self) -> None:
-        if self.ruleset != RULESET:
-            raise ValueError(f"it was played under ruleset {self.ruleset}, and this is {RULESET}")
         Secret.parse(self.seed)
 
     @property
@@ -165,13 +163,21 @@ class Store:
         """Tournament whose matches the store holds."""
         with self._store_errors():
             facts = self._db.execute("SELECT name, value FROM fact").fetchall()
+        values: dict[str, Any] = {}
+        where = "table fact"
         try:
-            values: dict[str, Any] = {name: msgspec.json.decode(text) for name, text in facts}
-            config: Any = values.get("config")
-            values["config"] = ArenaConfig.from_dict(config)  # integers stay integers
+            for name, text in facts:
+                where = f"table fact, row {name}"
+                values[name] = msgspec.json.decode(text)
+            if (ruleset := values.get("ruleset", RULESET)) != RULESET:
+                why = one_line(f"was played under ruleset {ruleset}, and this is {RULESET}")
+                raise StoreError(f"{self.path}: {why}: continue, report or export it with that version")
+            where = "table fact, row config"
+            values["config"] = ArenaConfig.from_dict(values.get("config"))  # type: ignore[arg-type]  # integers stay integers
+            where = "table fact"
             return msgspec.convert(values, Tournament)
         except _INVALID as error:
-            raise self._damaged(f"table fact: {error}") from None
+            raise self._damaged(f"{where}: {error}") from None
 
     @property
     def ended(self) -> bool:
@@ -316,9 +322,9 @@ class Store:
         except _INVALID as error:
             raise self._damaged(f"{where}: {error}") from None
 
-    def _damaged(self, value: object) -> StoreError:
+    def _damaged(self, value: object) -> DamagedStoreError:
         """Return the error for a stored value that no command has written, named by its table and row."""
-        return StoreError(f"{self.path}: is damaged: {one_line(str(value))}")
+        return DamagedStoreError(f"{self.path}: is damaged: {one_line(str(value))}")
 
 
 @contextmanager

@@ -61,6 +61,12 @@ for folder, folders, files in os.walk("/"):
             print("sees", path)
         searched(content)
         seen += 1
+for path in Path("/proc/sys").rglob("*"):
+    try:
+        os.close(os.open(path, os.O_WRONLY))
+        print("can set", path)
+    except OSError:
+        pass
 for path in Path("/proc").glob("[0-9]*/*"):
     if path.name in ("environ", "cmdline", "mountinfo"):
         try:
@@ -195,7 +201,7 @@ def test_it_sees_no_secret_of_others(level, hand_ins, tmp_path):
     )
     log = (tmp_path / "out" / "logs" / "attacker.log").read_text()
     assert int(re.search(r"looked at (\d+)", log)[1]) > 100
-    assert not re.findall(r"^found.*", log, re.MULTILINE)
+    assert not re.findall(r"^(?:found|can set).*", log, re.MULTILINE)
     assert not re.findall(r"^sees .*(?:rival|home|out/|attacker\.key).*", log, re.MULTILINE)
     with Store.read(tmp_path / "out") as store:
         played = list(store.played())

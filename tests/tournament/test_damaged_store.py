@@ -124,6 +124,10 @@ def test_a_store_with_a_wrong_value_is_one_line_to_every_reader(whole, tmp_path,
 
 def test_the_line_names_the_file_the_table_and_the_row(whole, tmp_path):
     folder = tmp_path / "forged"
+    for value, why in (("x", "JSON is malformed"), ("[1]", "settings must map names to values")):
+        changed(whole, folder, "UPDATE fact SET value = ? WHERE name = 'config'", [value])
+        with pytest.raises(StoreError, match=f"is damaged: table fact, row config: {why}"):
+            Store.tournament_in(folder)
     statement = "UPDATE match SET played = json_set(played, '$.result.scores', json(?)) WHERE id = 'r00001-g000001-s01'"
     changed(whole, folder, statement, ['[1,"x"]'])
     with Store.read(folder) as store, pytest.raises(StoreError) as raised:

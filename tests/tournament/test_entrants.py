@@ -2,6 +2,7 @@
 
 import copy
 import re
+import subprocess
 import sys
 from pathlib import Path
 
@@ -252,6 +253,14 @@ def test_a_module_in_the_starting_folder_is_not_found(tmp_path, monkeypatch):
     (tmp_path / "mine.py").write_text(f"import only_here\n{HOLDS}")
     with pytest.raises(AgentError, match="it imports only_here, which is not installed here"):
         enter([str(tmp_path / "mine.py")])
+
+
+def test_python_m_does_not_search_the_starting_folder_later_either(tmp_path):
+    (tmp_path / "only_here.py").write_text("")
+    (tmp_path / "mine.py").write_text(HOLDS.replace("return 0", "import only_here; return 0"))
+    words = ["-m", "catch_arena", "match", "mine.py", "idle", "-s", "duel", "--set", "time_limit_s=1", "--trusted"]
+    done = subprocess.run([sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=True)
+    assert "act raised ModuleNotFoundError: No module named 'only_here'" in done.stdout
 
 
 def test_a_link_is_an_agent_under_its_own_name_whatever_it_leads_to(agent_file, tmp_path):

@@ -3,7 +3,7 @@
 import pytest
 from tournament.played_matches import made_up
 
-from catch_arena import Replay, scenario
+from catch_arena import Replay, interrupts, scenario
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import ranks_of
@@ -95,3 +95,16 @@ def test_parties_of_one_side_share_a_win():
     result = made_up(0, (0, 1, 2, 3, 4), (), ranks=(1, 1, 3, 1, 2)).result
     shares = [result.win_share(party, slice(3) if party < 3 else slice(3, None)) for party in range(5)]
     assert shares == [0.5, 0.5, 0.0, 1.0, 0.0]
+
+
+def test_an_interrupt_that_an_agent_has_caught_ends_the_match_after_the_step(monkeypatch):
+    class Swallows:
+        def reset(self, seed):
+            pass
+
+        def act(self, _):
+            monkeypatch.setattr(interrupts._Command, "first_signal", 2)
+            return 0
+
+    with pytest.raises(KeyboardInterrupt):
+        play_match(scenario("duel"), 1, [Swallows(), Swallows()], ["a", "b"])

@@ -7,7 +7,7 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from catch_arena.errors import StoreError
+from catch_arena.errors import DamagedStoreError
 from catch_arena.files import prepare_folder, unwritable, write_whole
 from catch_arena.policy import Side
 from catch_arena.tournament.entrants import Entrant
@@ -113,7 +113,7 @@ def play_plan(
             if not stored:
                 yield block
             elif tuple(one.match for one in stored) != block:
-                raise StoreError(
+                raise DamagedStoreError(
                     f"{store.path}: is damaged: table match, row {block[0].id}: its block is not that of the plan"
                 )
 

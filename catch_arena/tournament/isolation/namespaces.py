@@ -31,6 +31,8 @@ _OPTIONS: Final = (
     *("--uid", f"{_UNPRIVILEGED_ID}", "--gid", f"{_UNPRIVILEGED_ID}", "--hostname", "arena"),
     *("--disable-userns", "--cap-drop", "ALL", "--new-session", "--die-with-parent"),
 )
+_KERNEL_SETTINGS: Final = ("--ro-bind-try", "/proc/sys", "/proc/sys")
+"""Words that make the kernel's settings read-only: if root runs the command, they belong to the agent's user."""
 _SYSTEM: Final = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store", "/gnu/store")
 _SETTINGS: Final = (
     *("alternatives", "fonts", "java*", "jvm*", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "magic"),
@@ -78,7 +80,7 @@ def bubblewrap_command(visible: Iterable[Path], writable_bytes: int) -> list[str
         writable_bytes: size of each of the folders TEMPORARY and SHARED [bytes].
     """
     size = ["--size", str(writable_bytes), "--tmpfs"]
-    words = [shutil.which(_PROGRAM) or _PROGRAM, *_OPTIONS, "--proc", "/proc", "--dev", "/dev"]
+    words = [shutil.which(_PROGRAM) or _PROGRAM, *_OPTIONS, "--proc", "/proc", *_KERNEL_SETTINGS, "--dev", "/dev"]
     words += [*size, str(SHARED), "--remount-ro", "/dev", *size, str(TEMPORARY)]
     paths = set(visible)
     shown = {path for path in paths if paths.isdisjoint(path.parents)}

@@ -47,9 +47,10 @@ def view_line(observation: Sequence[float], mask: Sequence[int]) -> bytes:
 def action_line(action: object) -> bytes:
     """Return an agent's action as a line; a value that JSON cannot express becomes text, which no control accepts."""
     try:
-        if type(action) is int:  # the usual case without other calls
+        if type(action) is int:  # usual actions need fewer calls
             return b'{"action":%d}\n' % action
-        return b'{"action":%s}\n' % _ENCODER.encode(plain_action(action)).encode()
+        plain = action if type(action) is tuple else plain_action(action)
+        return b'{"action":%s}\n' % _ENCODER.encode(plain).encode()
     except (TypeError, ValueError, RecursionError):
         return line(action=repr(type(action)))
 
