@@ -58,10 +58,10 @@ class Report:
         while shown < len(texts) and "\n\n".join(texts[: shown + 1]).count("\n") < _MOST_LINES:
             shown += 1
         others = sorted(self.diagnoses[shown:], key=lambda one: -len(one.failures))
-        more = [wrapped(_heading(one), "  ", 1) for one in others[:_MOST_OTHERS]]
-        if len(others) > len(more):
-            more.append(f"  ... and {len(others) - len(more)} more")
-        more = ["\n".join(["More mistakes:", *more])] if others else []
+        lines = ["More mistakes:", *(wrapped(_heading(one), "  ", 1) for one in others[:_MOST_OTHERS])]
+        if len(others) > _MOST_OTHERS:
+            lines.append(f"  ... and {len(others) - _MOST_OTHERS} more")
+        more = ["\n".join(lines)] if others else []
         return "\n\n".join([*texts[:shown], *more, wrapped(self.summary)])
 
     def in_full(self) -> str:

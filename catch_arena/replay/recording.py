@@ -145,7 +145,7 @@ class Replay(EqualByBits):
         Raises:
             ReplayError: if a state differs; it names the first such step.
         """
-        for step, (engine, *_), ((recorded, played), *_) in replayed_states(self):
+        for step, (engine,), ((recorded, played),) in replayed_states(self):
             if recorded != played:
                 raise ReplayError(
                     f"the replay does not play as it was recorded: the states first differ in {state_name(step)}"

@@ -1,5 +1,6 @@
 """Import of agents in Python, and instances of their classes."""
 
+import copy
 import hashlib
 import importlib
 import importlib.util
@@ -47,8 +48,9 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
         AgentError: if it cannot; the text gives the reason.
     """
     found, folder = agent_class(spec, side), folder_of(spec)
+    own = None if folder is None else _OWN.get(folder)
     try:
-        with _own_modules(folder):
+        with own or nullcontext():
             policy: Any = found()
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         raise AgentError(f"{spec}: {found.__name__}() raised {reason(error)}") from error
@@ -63,7 +65,7 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
             control_of(policy)
     except CatchArenaError:
         raise AgentError(f"{spec}: control must be target, velocity or full, got {control!r}") from None
-    made: Policy | PreyPolicy = policy if folder is None or folder not in _OWN else _InFolder(policy, folder)
+    made: Policy | PreyPolicy = policy if own is None else _InFolder(policy, own)
     return made
 
 
@@ -221,23 +223,22 @@ In an agent's own process the folder is in `sys.path`, and needs none.
 """
 
 
-def _own_modules(folder: Path | None) -> AbstractContextManager[None]:
-    return nullcontext() if folder is None else _OWN.get(folder, nullcontext())
-
-
 class _InFolder:
     """Instance of an agent that can import modules from its folder whenever it is called."""
 
-    def __init__(self, policy: Any, folder: Path) -> None:
-        self._policy, self._folder = policy, folder
+    def __init__(self, policy: Any, own: _OwnModules) -> None:
+        self._policy, self._own = policy, own
 
     def reset(self, seed: int) -> None:
-        with _own_modules(self._folder):
+        with self._own:
             self._policy.reset(seed)
 
     def act(self, view: Any) -> Any:
-        with _own_modules(self._folder):
+        with self._own:
             return self._policy.act(view)
+
+    def __deepcopy__(self, memo: dict[int, Any]) -> "_InFolder":
+        return _InFolder(copy.deepcopy(self._policy, memo), self._own)  # copies share the modules
 
     def __getattr__(self, name: str) -> Any:
         if name not in {"act_batch", "control"}:

@@ -92,7 +92,7 @@ def test_it_goes_on_where_it_was_and_ends_with_the_same(run, tmp_path):
 
 
 def test_each_scenario_is_what_the_command_tournament_plays_in_its_folder(run, tmp_path):
-    """It refuses what `tournament` refuses before any match, and leaves what `tournament` leaves."""
+    """A folder with other files is refused before any match, and afterwards each has the files of a tournament."""
     mine = tmp_path / "out/suite/contested/pairs/standings.csv"
     mine.parent.mkdir(parents=True)
     mine.write_text("mine")
