@@ -1,7 +1,6 @@
 """Reading of arenas in memory, for people and for the digest: worlds, rulings, and views of the chunks by content."""
 
 import hashlib
-from functools import cache
 from typing import Final
 
 import numpy as np
@@ -10,7 +9,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig
 from catch_arena.core import rows
 from catch_arena.core.memory import Sections, settings_in
-from catch_arena.core.state import ABSENT, ALL_OPTIONS, Regions, regions_of, slot_rows
+from catch_arena.core.state import ABSENT, ALL_OPTIONS, regions_of, slot_rows
 from catch_arena.core.vectors import LANES
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, PreyState, TargetState, World
@@ -21,25 +20,10 @@ def row_of(offset: int) -> int:
     return offset // LANES
 
 
-_HUNTER_DIGEST: Final = [row_of(offset) for offset in rows.HUNTER_DIGEST]
+_HUNTER_DIGEST: Final = np.array(rows.HUNTER_DIGEST) // LANES
 """A.8: rows of a hunter that the digest reads, in its order."""
 _RULING: Final = slice(row_of(rows.RULING[0]), row_of(rows.RULING[-1]) + 1)
 """Rows of a hunter's answer."""
-
-
-def _target_digest(*, moving: bool) -> list[int]:
-    """A.8: return the rows of a slot that the digest reads, in its order."""
-    return [row_of(offset) for offset in (rows.MOVING_TARGET_DIGEST if moving else rows.TARGET_DIGEST)]
-
-
-@cache  # every copy of an engine needs them
-def _digest_rows(regions: Regions, hunters: int, max_targets: int, *, moving: bool) -> NDArray[np.int64]:
-    """A.8: return the rows that the digest reads before those of prey, in its order, if every slot has a target."""
-    seats = row_of(regions.hunters) + rows.HUNTER_ROWS * np.arange(hunters)
-    slots = row_of(regions.targets) + slot_rows(moving) * np.arange(max_targets)
-    of_hunters = np.add.outer(seats, _HUNTER_DIGEST)
-    of_targets = np.add.outer(slots, _target_digest(moving=moving))
-    return np.concatenate((np.arange(rows.ARENA_DIGEST_ROWS), of_hunters.reshape(-1), of_targets.reshape(-1)))
 
 
 class ArenaReader:
@@ -65,8 +49,8 @@ class ArenaReader:
         """Rows of prey: [chunk, index, row, lane]."""
         self._target_orders = sections.target_orders.reshape(number, config.hunters, config.targets_seen, LANES)
         """Slots in the order in which each seat sees the targets: [chunk, seat, rank, lane]."""
-        self._target_digest = _target_digest(moving=moving)
-        self._digest_rows = _digest_rows(regions, config.hunters, config.max_targets, moving=moving)
+        self._target_digest = np.array(rows.MOVING_TARGET_DIGEST if moving else rows.TARGET_DIGEST) // LANES
+        """A.8: rows of a slot that the digest reads, in its order."""
         self.ruling_rows = self._hunters[0, :, _RULING, 0]
         """R5.6: answers of the first arena in its last step: (H, 4). Columns: the target's number, 0 for none; verdict;
         distance [micrometres] and winner's seat, -1 for none. Verdict 0 is no request; ignore the other columns then.
@@ -74,25 +58,20 @@ class ArenaReader:
         self.caught_by = self._prey[0, :, row_of(rows.CAUGHT_BY), 0]
         """R12.3: seat that caught each prey of the first arena in its last step, -1 for none: (P,)."""
 
-    def _hunter_rows(self, arena: int) -> NDArray[np.float64]:
-        """Return one arena's hunters: (H, HUNTER_ROWS)."""
-        return self._hunters[arena // LANES, :, :, arena % LANES]
-
-    def _prey_rows(self, arena: int) -> NDArray[np.float64]:
-        """Return one arena's prey: (P, PREY_ROWS)."""
-        return self._prey[arena // LANES, :, :, arena % LANES]
-
-    def _prey_numbers(self, arena: int) -> NDArray[np.float64]:
-        """R12.1: return the target numbers that one arena's prey plays, 0 for prey that is out: (P,), a copy."""
-        slots = self._prey_rows(arena)[:, row_of(rows.PREY_SLOT)].astype(np.int64)
-        numbers = self._targets[arena // LANES, slots, row_of(rows.NUMBER), arena % LANES]
-        return np.where(slots == rows.NO_TARGET, 0.0, numbers)
+    def _rows_of(self, arena: int) -> tuple[NDArray[np.float64], ...]:
+        """Return the rows of one arena: its own, (ARENA_ROWS,), and those of each hunter, alive target and prey, as
+        (H, HUNTER_ROWS), (T, rows of a slot) and (P, PREY_ROWS).
+        """
+        chunk, lane = divmod(arena, LANES)
+        own = self._fields[chunk, : rows.ARENA_ROWS, lane]
+        targets = self._targets[chunk, : int(own[row_of(rows.ALIVE)]), :, lane]
+        return own, self._hunters[chunk, :, :, lane], targets, self._prey[chunk, :, :, lane]
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: return the verdicts of the last step with their evidence, by seat."""
-        found = []
-        steps = int(self._fields[arena // LANES, row_of(rows.STEP), arena % LANES])
-        for seat, (number, verdict, distance, winner) in enumerate(self._hunter_rows(arena)[:, _RULING].tolist()):
+        own, hunters, _, _ = self._rows_of(arena)
+        found, steps = [], int(own[row_of(rows.STEP)])
+        for seat, (number, verdict, distance, winner) in enumerate(hunters[:, _RULING].tolist()):
             if verdict == NO_REQUEST:
                 continue
             step = steps if verdict == Verdict.MATCH_OVER else steps - 1
@@ -102,12 +81,10 @@ class ArenaReader:
 
     def world(self, arena: int = 0) -> World:
         """Return one arena as a World, with names."""
-        config, (chunk, lane) = self.config, divmod(arena, LANES)
-        own = self._fields[chunk, : rows.ARENA_ROWS, lane].tolist()
-        alive = int(own[row_of(rows.ALIVE)])
-        prey, players = self._prey_states(arena) if config.prey else ((), {})
-        hunters = self._hunter_rows(arena)[:, _HUNTER_DIGEST].tolist()
-        targets = self._targets[chunk, :alive, self._target_digest, lane].T.tolist()
+        config = self.config
+        own, hunters, targets, prey = self._rows_of(arena)
+        played = _numbers_played(targets, prey).tolist() if config.prey else []
+        players = dict(zip(played, config.prey_names, strict=True))
         return World(
             time_ms=int(own[row_of(rows.TIME)]),
             step=int(own[row_of(rows.STEP)]),
@@ -127,7 +104,7 @@ class ArenaReader:
                     team=team,
                 )
                 for name, team, (x, y, theta, speed, turn_rate, _, _, active, score, at_wall, withdrawn) in zip(
-                    config.hunter_names, config.team_by_seat, hunters, strict=True
+                    config.hunter_names, config.team_by_seat, hunters.take(_HUNTER_DIGEST, axis=1).tolist(), strict=True
                 )
             ),
             targets=tuple(
@@ -141,32 +118,24 @@ class ArenaReader:
                     linear_velocity=motion[0] if motion else 0.0,
                     angular_velocity=motion[1] if motion else 0.0,
                     at_wall=bool(motion and motion[2]),
-                    prey=players.get(slot),
+                    prey=players.get(number),
                 )
-                for slot, (number, x, y, theta, appeared, *motion) in enumerate(targets)
+                for number, x, y, theta, appeared, *motion in targets.take(self._target_digest, axis=1).tolist()
             ),
             rulings=self.rulings(arena),
             spawned=int(own[row_of(rows.SPAWNED)]),
-            prey=prey,
-        )
-
-    def _prey_states(self, arena: int) -> tuple[tuple[PreyState, ...], dict[int, str]]:
-        """R12.1: return the states of one arena's prey, and the name of the prey that plays the target in a slot."""
-        states, players = [], {}
-        numbers, own = self._prey_numbers(arena).tolist(), self._prey_rows(arena).tolist()
-        for name, number, me in zip(self.config.prey_names, numbers, own, strict=True):
-            states.append(
+            prey=tuple(
                 PreyState(
                     name=name,
-                    target=self.config.target_name(int(number)) if number else None,
+                    target=config.target_name(int(number)) if number else None,
                     times_caught=int(me[row_of(rows.TIMES_CAUGHT)]),
                     caught_ms=None if number else int(me[row_of(rows.CAUGHT_AT)]),
                     caught_by=None if me[row_of(rows.CAUGHT_BY)] < 0 else int(me[row_of(rows.CAUGHT_BY)]),
                     withdrawn=me[row_of(rows.PREY_WITHDRAWN)] > 0,
                 )
-            )
-            players[int(me[row_of(rows.PREY_SLOT)])] = name
-        return tuple(states), players
+                for name, number, me in zip(config.prey_names, played, prey.tolist(), strict=True)
+            ),
+        )
 
     def rank_of(self, arena: int, seat: int, name: str) -> int:
         """R7.1: return the rank at which a seat sees the target of that name; 0 if it does not see it."""
@@ -195,16 +164,20 @@ class ArenaReader:
 
     def state(self, arena: int = 0) -> NDArray[np.float64]:
         """A.8: return the numbers of one arena's state, (n,), in the order in which the digest reads them."""
-        chunk, lane = divmod(arena, LANES)
-        own = self._fields[chunk, :, lane]
-        empty_slots = self.config.max_targets - int(own[row_of(rows.ALIVE)])
-        read = len(self._digest_rows) - empty_slots * len(self._target_digest)
-        numbers: NDArray[np.float64] = own[self._digest_rows[:read]]
-        if not self.config.prey:
-            return numbers
-        times = self._prey_rows(arena)[:, [row_of(rows.TIMES_CAUGHT), row_of(rows.CAUGHT_AT)]]
-        return np.concatenate((numbers, np.column_stack((self._prey_numbers(arena), times)).reshape(-1)))
+        own, hunters, targets, prey = self._rows_of(arena)
+        parts = [own[: rows.ARENA_DIGEST_ROWS], hunters.take(_HUNTER_DIGEST, axis=1)]
+        parts.append(targets.take(self._target_digest, axis=1))
+        if len(prey):
+            times = prey[:, [row_of(rows.TIMES_CAUGHT), row_of(rows.CAUGHT_AT)]]
+            parts.append(np.column_stack((_numbers_played(targets, prey), times)))
+        return np.concatenate([part.reshape(-1) for part in parts])
 
     def digest(self, arena: int = 0) -> bytes:
         """A.8: return the digest of one arena's state, eight bytes."""
         return hashlib.blake2b(self.state(arena).astype("<f8", copy=False).tobytes(), digest_size=8).digest()
+
+
+def _numbers_played(targets: NDArray[np.float64], prey: NDArray[np.float64]) -> NDArray[np.float64]:
+    """R12.1: return the numbers of the targets that prey plays, 0 for prey that is out: (P,)."""
+    numbers = np.append(targets[:, row_of(rows.NUMBER)], 0.0)  # the last one is for NO_TARGET, -1
+    return numbers[prey[:, row_of(rows.PREY_SLOT)].astype(np.int64)]
