@@ -1,5 +1,5 @@
-"""The engine: owns the memory of a batch of arenas, and calls the core. It does not check its arguments: envs and
-service do.
+"""The engine: owns the memory of a batch of arenas, and calls the core. It checks seeds and saved states; envs and
+service check all other arguments.
 """
 
 from collections.abc import Sequence
@@ -14,14 +14,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.core import dropouts, placing, rows, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.controllers import CONTROLS
-from catch_arena.core.memory import (
-    Bytes,
-    Sections,
-    copy_of,
-    lay_out,
-    offset_of,
-    sections_of,
-)
+from catch_arena.core.memory import Bytes, Sections, copy_of, lay_out, sections_of
 from catch_arena.core.prey import withdraw_prey_at
 from catch_arena.core.state import ALL_OPTIONS
 from catch_arena.core.vectors import LANES, PLAYED, SINGLE, WIDE
@@ -92,9 +85,12 @@ class Engine(ArenaReader):
         """First argument of `tick.run`, whose type determines the compiled code."""
         self.config = config
         self.num_arenas = num_arenas
-        self.with_infos = with_infos
-        self.auto_reset = auto_reset
-        self._any_control = any_control
+        self._options: dict[str, Any] = {
+            "with_infos": with_infos,
+            "auto_reset": auto_reset,
+            "num_threads": num_threads,
+            "any_control": any_control,
+        }
         self._num_chunks = -(-num_arenas // LANES)
         self._num_parts = self._num_chunks * LANES * config.hunters // _HUNTERS_A_PART
         self.num_threads = max(1, min(num_threads, self._num_parts))
@@ -131,12 +127,9 @@ class Engine(ArenaReader):
         self.lengths = sections.lengths
         self.records = sections.records
         self._bind_views(sections)
-        saved, finished = offset_of("chunks", memory), offset_of("final_observations", memory)
-        self._saved, self._finished = memory[saved:finished], memory[finished:]
-        arrays: tuple[NDArray[Any], ...] = sections
-        of_results, of_finished = map(Sections._fields.index, ("rewards", "final_observations"))
-        self._saved_rows = [section for section in arrays[of_results:of_finished] if section.size]
-        self._finished_rows = [section for section in arrays[of_finished:] if section.size]
+        of_results, of_records = map(Sections._fields.index, ("rewards", "final_observations"))
+        self._results = [section for section in sections[of_results:of_records] if section.size]
+        self._records = [section for section in sections[of_records:] if section.size]
 
     # playing
 
@@ -289,28 +282,14 @@ class Engine(ArenaReader):
         )
 
     def restore(self, saved: SavedState, arena: int | None = None) -> None:
-        """Continue from a saved state, which `require_saved` accepts.
+        """Continue from a saved state.
 
         Args:
             saved: the saved state. Its records are ignored if this engine or the other has no `auto_reset`.
             arena: the arena that continues, if the state is that of a single one.
-        """
-        controls, memory, finished = self._parts(arena)
-        controls[:] = saved.controls
-        for part, content in zip(memory, saved.memory, strict=True):
-            part[:] = content
-        for part, content in zip(finished, saved.finished, strict=False):
-            part[:] = content
-
-    def require_saved(self, saved: object, *, alone: bool) -> None:
-        """Check that this engine can continue from a saved state; `restore` does not check it.
-
-        Args:
-            saved: the saved state.
-            alone: whether it must be the state of one arena.
 
         Raises:
-            ConfigError: for anything else, such as a state of another version of this package.
+            ConfigError: for anything else, such as a state of another config or of another version of this package.
         """
         if not isinstance(saved, SavedState):
             raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
@@ -318,25 +297,34 @@ class Engine(ArenaReader):
             raise ConfigError(
                 f"saved must come from an arena with an equal config (digest {self._config_digest}), got {saved.config}"
             )
-        num_envs = None if alone else self.num_arenas
+        num_envs = self.num_arenas if arena is None else None
         if saved.num_envs != num_envs:
             wanted, got = ("a single row" if size is None else f"{size} arenas" for size in (num_envs, saved.num_envs))
             raise ConfigError(f"a saved state must be that of {wanted} here, got that of {got}")
-        _, memory, _ = self._parts(0 if alone else None)
+        controls, memory, finished = self._parts(arena)
         if [(part.shape, part.dtype) for part in saved.memory] != [(part.shape, part.dtype) for part in memory]:
             size, found = (sum(part.nbytes for part in parts) for parts in (memory, saved.memory))
             raise ConfigError(
                 f"saved must come from this version of Catch Arena, in which it has {size} bytes, got other {found}"
             )
+        if (saved.controls != controls).any():
+            self.require_any_control()
+        controls[:] = saved.controls
+        for part, content in zip([*memory, *finished], [*saved.memory, *saved.finished], strict=False):
+            part[:] = content
+
+    def require_any_control(self) -> None:
+        """Raise a ConfigError unless the arenas may differ in their hunters' controls."""
+        if not self._options["any_control"]:
+            raise ConfigError("the arenas of this batch cannot differ in their controls: make it with any_control=True")
 
     def _parts(self, arena: int | None) -> tuple[NDArray[np.int8], list[NDArray[Any]], list[NDArray[Any]]]:
         """Return the parts of the memory of which a `SavedState` has copies: those of one arena, or of all."""
-        if arena is None:
-            return self.controls, [self._saved], [self._finished] if self.auto_reset else []
-        (chunk, lane), row = divmod(arena, LANES), slice(arena, arena + 1)
-        memory: list[NDArray[Any]] = [self._fields[chunk, :, lane], self._target_orders[chunk, :, :, lane]]
-        memory += [section[row] for section in self._saved_rows]
-        return self.controls[row], memory, [section[row] for section in self._finished_rows]
+        every: tuple[Any, Any, Any] = slice(None), slice(None), slice(None)
+        chunk, lane, row = every if arena is None else (*divmod(arena, LANES), slice(arena, arena + 1))
+        state: list[NDArray[Any]] = [self._fields[chunk, :, lane], self._target_orders[chunk, :, :, lane]]
+        memory, finished = ([part[row] for part in parts] for parts in (self._results, self._records))
+        return self.controls[row], state + memory, finished
 
     @cached_property
     def _config_digest(self) -> str:
@@ -353,14 +341,7 @@ class Engine(ArenaReader):
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Pickle the constructor's arguments and the memory: arrays share it, which a plain pickle would not keep."""
-        make = partial(
-            Engine,
-            with_infos=self.with_infos,
-            auto_reset=self.auto_reset,
-            num_threads=self.num_threads,
-            any_control=self._any_control,
-        )
-        return make, (self.config, self.num_arenas), self._memory
+        return partial(Engine, **self._options), (self.config, self.num_arenas), self._memory
 
     def __setstate__(self, state: Bytes) -> None:
         """Copy the memory of another engine of the same config and size."""

@@ -3,7 +3,7 @@
 import contextlib
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,9 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import ActionError, suggest
 from catch_arena.plain import as_python, plain_action, real_number, whole_number
 from catch_arena.text import shortened
+
+_UNREADABLE: Final = np.zeros(0, dtype=object)
+"""Array in place of actions that are no array, or are lists of different lengths."""
 
 
 class ActionReader:
@@ -148,31 +151,25 @@ def action_array(subject: str, given: Any, shape: tuple[int, ...], *, whole: boo
     Raises:
         ActionError: for another type or shape.
     """
-    axes = len(shape)
-    try:
-        table = _table(given, axes, whole=whole)
-    except ValueError:
-        raise ActionError(f"{subject} must be rows of equal length, got {describe_value(given)}") from None
-    if whole and table.ndim > axes and set(table.shape[axes:]) == {1}:  # each choice is an array with one element
-        table = table.reshape(table.shape[:axes])
-    if table.dtype.kind not in ("iu" if whole else "fiu"):
-        raise ActionError(f"{subject} must be {'whole ' if whole else ''}numbers, got {describe_value(given)}")
-    if table.shape != shape:
-        raise ActionError(f"{subject} must have the shape {shape}, got {table.shape}")
+    table = _UNREADABLE
+    if not isinstance(given, list | tuple):
+        # a tensor that needs a gradient, or lies on a graphics card, cannot become an array
+        with contextlib.suppress(TypeError, RuntimeError, ValueError):
+            table = np.asarray(given)
+    if table.dtype == object:
+        with contextlib.suppress(ValueError):  # rows of different length
+            table = np.array(_rows(given, len(shape), whole=whole))
+    # each choice may be an array with one element
+    if whole and table.ndim > len(shape) and set(table.shape[len(shape) :]) == {1}:
+        table = table.reshape(table.shape[: len(shape)])
+    if table.dtype.kind not in ("iu" if whole else "fiu") or table.shape != shape:
+        numbers = "whole numbers" if whole else "numbers"
+        raise ActionError(f"{subject} must be {numbers} of the shape {shape}, got {describe_value(given)}")
     return table
 
 
-def _table(given: Any, axes: int, *, whole: bool) -> NDArray[Any]:
-    """Return the argument as an array; its type is object if something in it is not legal."""
-    if not isinstance(given, list | tuple):
-        with contextlib.suppress(TypeError, RuntimeError):  # a tensor that needs a gradient, or lies on a graphics card
-            table = np.asarray(given)
-            if table.dtype != object:
-                return table
-    return np.array(_rows(given, axes, whole=whole))
-
-
 def _rows(given: Any, axes: int, *, whole: bool) -> Any:
+    """Return lists or a tensor as lists of numbers, in which None stands for anything else."""
     rows = given if isinstance(given, list | tuple) else as_python(given)
     if axes and isinstance(rows, list | tuple):
         return [_rows(row, axes - 1, whole=whole) for row in rows]

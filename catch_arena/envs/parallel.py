@@ -349,7 +349,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         if not isinstance(saved, SavedEpisode):
             raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
-        self._engine.require_saved(saved.arena, alone=True)
         if list(saved.possible_agents) != self.possible_agents:
             got = shortened(list(saved.possible_agents))
             raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")

@@ -30,13 +30,13 @@ _TERMINATED: Final = np.int8(rows.TERMINATED)  # same type as `Engine.ends`, so 
 _TRUNCATED: Final = np.int8(rows.TRUNCATED)
 _MOST_ENVS: Final = 10**9  # no machine's memory holds more
 _MOST_THREADS: Final = 4096
-_BODY: Final = ("x", "y", "a heading", "a velocity", "an age")
-"""Columns of the bodies that `VectorArena.place` takes."""
 
 T = TypeVar("T")
 
 StepResults = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 Begun = tuple[NDArray[np.float32], dict[str, Any]]
+Bounds = dict[str, tuple[Any, Any]]
+"""Least and greatest value of each column of the bodies that `VectorArena.place` takes, by the column's name."""
 
 
 class VectorArena:
@@ -112,7 +112,6 @@ class VectorArena:
         self.auto_reset: Final = auto_reset
         self._copy = copy
         kinds = set(CONTROLS if any_control else self.config.controls)
-        self._any_control = any_control
         self._reads_choices: Final = kinds != {"velocity"}
         self._reads_commands: Final = kinds != {"target"} or self.config.prey > 0
         """The two flags: True if some agent reads choices, and if some agent reads commands."""
@@ -142,7 +141,7 @@ class VectorArena:
             infos["active"] = engine.active
         if self.config.teams is not None:
             infos["team_score"] = engine.team_scores
-        if engine.auto_reset:
+        if self.auto_reset:
             records, of_hunters = engine.records, engine.records[:, :hunters]
             tallies = of_hunters[:, :, rows.FINAL_TALLIES : rows.FINAL_TEAM_SCORE]
             team_score = rows.FINAL_SCORE if self.config.teams is None else rows.FINAL_TEAM_SCORE
@@ -216,7 +215,6 @@ class VectorArena:
             seeds = batch_seeds(arena_seed(seed), self.num_envs)[chosen]
         self._engine.reset(seeds, chosen)
         self._has_begun = True
-        self._ended[chosen] = False
         return self._reset_results()
 
     def place(
@@ -247,24 +245,25 @@ class VectorArena:
         if self.num_prey:
             raise ConfigError(f"place() does not support arenas with prey, and this one has {self.num_prey}")
         chosen, config = self._rows(arenas), self.config
-        hunters = _placed("hunters", hunters, len(chosen), (config.hunters, config.hunters), 4)
-        targets = _placed("targets", targets, len(chosen), (0, config.max_targets), 5)
         played, most = np.asarray(steps), (config.time_limit_ms - 1) // config.control_period_ms
         numbers = played.dtype.kind in "iu" and played.shape in {(), (len(chosen),)}
         if not numbers or not ((played >= 0) & (played <= most)).all():
             raise ConfigError(f"steps must be one or {len(chosen)} numbers from 0 to {most}, got {shortened(steps)}")
         played = np.broadcast_to(played.astype(np.int64), len(chosen))
-        place, turn = (0.0, config.side_m), (-MAX_HEADING_RAD, MAX_HEADING_RAD)
-        fastest, moving = np.array(config.max_speeds), config.target_speed_mps if config.targets_move else 0.0
         elapsed_s = played[:, None] * config.control_period_ms / 1000.0
         oldest = np.nextafter(elapsed_s + 0.0005, 0.0)  # ages are rounded to the millisecond
-        _require_bodies("hunters", hunters, place, place, turn, (-fastest if config.reverse else 0.0, fastest))
-        _require_bodies("targets", targets, place, place, turn, (0.0, moving), (0.0, oldest))
+        fastest, moving = np.array(config.max_speeds), config.target_speed_mps if config.targets_move else 0.0
+        place, turn = (0.0, config.side_m), (-MAX_HEADING_RAD, MAX_HEADING_RAD)
+        pose: Bounds = {"x": place, "y": place, "a heading": turn}
+        of_hunters = pose | {"a velocity": (-fastest if config.reverse else 0.0, fastest)}
+        of_targets = pose | {"a velocity": (0.0, moving), "an age": (0.0, oldest)}
+        hunters = _bodies("hunters", hunters, (len(chosen), config.hunters, config.hunters), of_hunters)
+        targets = _bodies("targets", targets, (len(chosen), 0, config.max_targets), of_targets)
         self._engine.place_batch(chosen, hunters, targets, played)
-        self._update_ends()
         return self._reset_results()
 
     def _reset_results(self) -> Begun:
+        self._update_ends()
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
     def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> StepResults:
@@ -307,16 +306,12 @@ class VectorArena:
         Raises:
             ConfigError: for other numbers, or if the batch was made without `any_control`.
         """
-        self._require_any_control()
+        self._engine.require_any_control()
         chosen, given = self._rows(arenas), np.asarray(controls)
         shape = (len(chosen), self.num_hunters)
         if given.shape != shape or given.dtype.kind not in "iu" or not np.isin(given, list(CONTROLS.values())).all():
             raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {describe_value(given)}")
         self._engine.controls[chosen] = given
-
-    def _require_any_control(self) -> None:
-        if not self._any_control:
-            raise ConfigError("the arenas of this batch cannot differ in their controls: make it with any_control=True")
 
     def _update_ends(self) -> None:
         ends = self._engine.ends
@@ -325,34 +320,26 @@ class VectorArena:
         np.logical_or(self._terminations, self._truncations, out=self._ended)
 
     def _checked_choices(self, given: Any) -> NDArray[np.int64]:
-        shape, ranks = (self.num_envs, self.num_hunters), self.config.targets_seen
-        if given is None:
-            if self._reads_choices:
-                raise ActionError(f"choices must be {shape} whole numbers if hunters choose targets, got None")
+        if given is None and not self._reads_choices:
             return NO_CHOICES
-        choices = action_array("choices", given, shape, whole=True)
+        choices = action_array("choices", given, (self.num_envs, self.num_hunters), whole=True)
+        ranks = self.config.targets_seen
         if choices.min() < 0 or choices.max() > ranks:
-            self._raise_illegal(
-                "choices", f"a whole number from 0 to {ranks}", choices, (choices < 0) | (choices > ranks)
-            )
-        if choices.dtype == np.int64 and choices.flags.carray:
-            return choices
-        return np.array(choices, np.int64, order="C")  # every rank fits into int64
+            illegal = (choices < 0) | (choices > ranks)
+            self._raise_illegal("choices", f"a whole number from 0 to {ranks}", choices, illegal)
+        return choices if choices.dtype == np.int64 and choices.flags.carray else np.array(choices, np.int64, order="C")
 
     def _checked_commands(self, given: Any) -> NDArray[np.float32]:
-        shape = (self.num_envs, self.num_hunters + self.num_prey, 2)
-        if given is None:
-            if self._reads_commands:
-                raise ActionError(f"commands must be {shape} numbers if agents drive themselves, got None")
+        if given is None and not self._reads_commands:
             return NO_COMMANDS
-        commands = action_array("commands", given, shape)
+        commands = action_array("commands", given, (self.num_envs, self.num_hunters + self.num_prey, 2))
         if not (commands.min() >= -1.0 and commands.max() <= 1.0):  # false for NaN too
-            if not np.isfinite(commands).all():
-                self._raise_illegal("commands", "two finite numbers", commands, np.any(~np.isfinite(commands), axis=-1))
+            finite = np.isfinite(commands)
+            if not finite.all():
+                self._raise_illegal("commands", "two finite numbers", commands, ~finite.all(axis=-1))
             commands = clipped(commands)
-        if commands.dtype == np.float32 and commands.flags.carray:
-            return commands
-        return np.array(commands, np.float32, order="C")  # rounded to float32
+        is_plain = commands.dtype == np.float32 and commands.flags.carray
+        return commands if is_plain else np.array(commands, np.float32, order="C")  # rounded to float32
 
     def _raise_illegal(self, subject: str, requirement: str, given: NDArray[Any], illegal: NDArray[np.bool_]) -> None:
         arena, row = (int(found) for found in np.argwhere(illegal)[0])
@@ -370,15 +357,11 @@ class VectorArena:
         chosen = np.asarray(arenas)
         if chosen.dtype == np.bool_ and chosen.shape == (self.num_envs,):
             return np.flatnonzero(chosen)
-        legal = chosen.ndim == 1 and (chosen.dtype.kind in "iu" or not chosen.size)
-        outside = chosen[(chosen < 0) | (chosen >= self.num_envs)] if legal else chosen
-        if not legal or outside.size:
-            raise ConfigError(
-                f"arenas must be row numbers from 0 to {self.num_envs - 1} or a mask of {self.num_envs}, "
-                f"got {outside[0] if legal else describe_value(chosen)}"
-            )
-        if len(np.unique(chosen)) < len(chosen):  # otherwise it would be unclear which of two seeds is meant
-            raise ConfigError(f"arenas must be different rows, got {shortened(chosen.tolist())}")
+        numbers = chosen.ndim == 1 and (chosen.dtype.kind in "iu" or not chosen.size)
+        outside = not numbers or ((chosen < 0) | (chosen >= self.num_envs)).any()
+        if outside or len(np.unique(chosen)) < len(chosen):  # it would be unclear which of two seeds is meant
+            most, got = self.num_envs - 1, shortened(chosen.tolist())
+            raise ConfigError(f"arenas must be different rows from 0 to {most}, or a mask of {most + 1}, got {got}")
         return chosen.astype(np.int64)
 
     # saving
@@ -401,7 +384,7 @@ class VectorArena:
         Raises:
             ConfigError: for anything that `save` of an equal config and number of arenas did not return.
         """
-        self._restore(saved, None)
+        self._engine.restore(saved)
         self._has_begun = True
         return self._reset_results()
 
@@ -418,16 +401,8 @@ class VectorArena:
         Raises:
             ConfigError: for a row that does not exist, and for anything but a saved row of an equal config.
         """
-        self._restore(saved, self._row("restore_row", arena))
+        self._engine.restore(saved, self._row("restore_row", arena))
         return self._reset_results()
-
-    def _restore(self, saved: SavedState, arena: int | None) -> None:
-        self._engine.require_saved(saved, alone=arena is not None)
-        # without any_control, all arenas have the controls of the first
-        if (saved.controls != self._engine.controls[0]).any():
-            self._require_any_control()
-        self._engine.restore(saved, arena)
-        self._update_ends()
 
     def clone(self) -> "VectorArena":
         """Return an independent batch in the same state; `copy.deepcopy` does the same."""
@@ -468,31 +443,27 @@ class VectorArena:
         return row
 
 
-def _placed(name: str, given: ArrayLike, arenas: int, bodies: tuple[int, int], columns: int) -> NDArray[np.float64]:
-    """Return an argument of `place` as an array: (arenas, least to most bodies, columns)."""
+def _bodies(name: str, given: ArrayLike, sizes: tuple[int, int, int], bounds: Bounds) -> NDArray[np.float64]:
+    """Return an argument of `place` as an array: (arenas, bodies, columns). Rows of NaN are legal.
+
+    Args:
+        name: the argument's name.
+        given: its value.
+        sizes: number of arenas, and the least and the greatest number of bodies.
+        bounds: the columns, and the least and the greatest value of each.
+    """
     try:
         table = np.asarray(given, dtype=np.float64)
     except (TypeError, ValueError):
         table = np.zeros(0)
-    least, most = bodies
-    if table.ndim != 3 or table.shape[::2] != (arenas, columns) or not least <= table.shape[1] <= most:
-        count = most if least == most else f"{least} to {most}"
-        raise ConfigError(
-            f"{name} must be numbers of the shape ({arenas}, {count}, {columns}), got {describe_value(given)}"
-        )
+    arenas, least, most = sizes
+    if table.ndim != 3 or table.shape[::2] != (arenas, len(bounds)) or not least <= table.shape[1] <= most:
+        shape = f"({arenas}, {most if least == most else f'{least} to {most}'}, {len(bounds)})"
+        raise ConfigError(f"{name} must be numbers of the shape {shape}, got {describe_value(given)}")
+    for column, (words, (low, high)) in zip(table.transpose(2, 0, 1), bounds.items(), strict=True):
+        illegal = np.argwhere(~(np.isnan(table[:, :, 0]) | ((column >= low) & (column <= high))))
+        if len(illegal):
+            at = tuple(illegal[0].tolist())
+            lowest, highest = (np.broadcast_to(bound, column.shape)[at] for bound in (low, high))
+            raise ConfigError(f"{name} must have {words} from {lowest:g} to {highest:g}, got {column[at]:g} at {[*at]}")
     return table
-
-
-def _require_bodies(name: str, bodies: NDArray[np.float64], *bounds: tuple[Any, Any]) -> None:
-    """Raise a ConfigError unless each column lies within its bounds, the least and the greatest value; rows of NaN are
-    legal.
-    """
-    for index, (low, high) in enumerate(bounds):
-        column = bodies[:, :, index]
-        legal = np.isnan(bodies[:, :, 0]) | ((column >= low) & (column <= high))
-        if not legal.all():
-            where = tuple(np.argwhere(~legal)[0].tolist())
-            least, greatest = (np.broadcast_to(bound, column.shape)[where] for bound in (low, high))
-            raise ConfigError(
-                f"{name} must have {_BODY[index]} from {least:g} to {greatest:g}, got {column[where]:g} at {[*where]}"
-            )

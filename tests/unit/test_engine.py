@@ -49,7 +49,7 @@ def test_a_state_in_other_parts_is_refused():
     memory = np.frombuffer(b"".join(part.tobytes() for part in saved.memory), np.uint8)
     for other in (memory, (memory,)):
         with pytest.raises(ConfigError, match="must come from this version"):
-            engine.require_saved(dataclasses.replace(saved, memory=other), alone=True)
+            engine.restore(dataclasses.replace(saved, memory=other), 0)
 
 
 @pytest.mark.parametrize("control", ["target", "velocity", "full"])

@@ -155,10 +155,10 @@ def test_shapes_and_spaces_are_those_of_the_agents():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        (lambda actions: {**actions, "commands": None}, "commands must be (4, 6, 2) numbers if agents drive"),
+        (lambda actions: {**actions, "commands": None}, "commands must be numbers of the shape (4, 6, 2), got None"),
         (
             lambda actions: {**actions, "commands": actions["commands"][:, :3]},
-            "commands must have the shape (4, 6, 2)",
+            "commands must be numbers of the shape (4, 6, 2), got an array of float32 of the shape (4, 3, 2)",
         ),
         (
             lambda actions: {

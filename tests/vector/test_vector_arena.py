@@ -400,18 +400,22 @@ def test_buffers_are_reused_unless_copies_are_asked_for():
 NAN = np.zeros((2, 2, 2))
 NAN[1, 0, 1] = np.nan
 ILLEGAL = [
-    ("target", [[[1, 2, 3]]], "choices must have the shape (2, 2), got (1, 3)"),
+    ("target", [[[1, 2, 3]]], "choices must be whole numbers of the shape (2, 2), got [[1, 2, 3]]"),
     ("target", [[[0, 1], [9, 0]]], "choices must be a whole number from 0 to 8, got 9 in arena 1 for hunter_0"),
-    ("target", [[[0.0, 1.0], [0.0, 1.0]]], "choices must be whole numbers, got [[0.0, 1.0], ["),
-    ("target", [{"hunter": 1}], "choices must be whole numbers, got {'hunter': 1}"),
-    ("target", [[[1, 2], [1]]], "choices must be rows of equal length"),
-    ("target", [], "choices must be (2, 2) whole numbers if hunters choose targets, got None"),
+    ("target", [[[0.0, 1.0], [0.0, 1.0]]], "choices must be whole numbers of the shape (2, 2), got [[0.0, 1.0], ["),
+    ("target", [{"hunter": 1}], "choices must be whole numbers of the shape (2, 2), got {'hunter': 1}"),
+    ("target", [[[1, 2], [1]]], "choices must be whole numbers of the shape (2, 2), got [[1, 2], [1]]"),
+    ("target", [], "choices must be whole numbers of the shape (2, 2), got None"),
     ("target", [[[0, 1], [0, 1]], NAN], "commands must be two finite numbers, got [0.0, nan]"),
     ("velocity", [None, NAN], "commands must be two finite numbers, got [0.0, nan] in arena 1 for hunter_0"),
-    ("velocity", [None, np.ones((2, 2, 2), dtype=bool)], "commands must be numbers, got an array of bool"),
-    ("velocity", [], "commands must be (2, 2, 2) numbers if agents drive themselves, got None"),
-    ("full", [None, np.zeros((2, 2, 2))], "choices must be (2, 2) whole numbers if hunters choose targets, got None"),
-    ("full", [[[0, 0], [0, 0]]], "commands must be (2, 2, 2) numbers if agents drive themselves, got None"),
+    (
+        "velocity",
+        [None, np.ones((2, 2, 2), dtype=bool)],
+        "commands must be numbers of the shape (2, 2, 2), got an array of bool",
+    ),
+    ("velocity", [], "commands must be numbers of the shape (2, 2, 2), got None"),
+    ("full", [None, np.zeros((2, 2, 2))], "choices must be whole numbers of the shape (2, 2), got None"),
+    ("full", [[[0, 0], [0, 0]]], "commands must be numbers of the shape (2, 2, 2), got None"),
 ]
 
 
@@ -450,9 +454,11 @@ def test_what_else_is_wrong_is_told_in_one_line():
     arena.reset(seed=1)
     with pytest.raises(ConfigError, match="arena must be a row from 0 to 2, got 3"):
         arena.digest(3)
-    with pytest.raises(ConfigError, match="arenas must be row numbers from 0 to 2 or a mask of 3"):
+    with pytest.raises(ConfigError, match="arenas must be different rows from 0 to 2, or a mask of 3, got"):
         arena.reset(arenas=[3])
-    with pytest.raises(ConfigError, match="arenas must be different rows, got"):
+    with pytest.raises(
+        ConfigError, match=r"arenas must be different rows from 0 to 2, or a mask of 3, got \[2, 1, 1\]"
+    ):
         arena.reset(seed=5, arenas=[2, 1, 1])
     with pytest.raises(ConfigError, match="seeds must be one for each of 3 arenas, got 2"):
         arena.reset(seed=[1, 2])
