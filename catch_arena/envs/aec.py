@@ -11,10 +11,10 @@ from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from catch_arena.config import ArenaConfig
-from catch_arena.envs.parallel import CatchArenaEnv, SavedEpisode, parallel_env
+from catch_arena.envs.parallel import CatchArenaEnv, SavedEpisode
 from catch_arena.envs.results import Infos
 from catch_arena.equality import EqualByBits
-from catch_arena.errors import ActionError, ConfigError, EpisodeError, require_type
+from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.text import shortened
 
 
@@ -30,14 +30,23 @@ class SavedTurn(EqualByBits):
 class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
     """PettingZoo AEC environment of the arena, in which agents act one after the other and move together.
 
-    `world`, `digest`, `withdraw`, `record` and `replay` are methods of the parallel environment.
+    Arguments, actions, observations and infos are those of `CatchArenaEnv`, and so are the methods `world`, `digest`,
+    `withdraw`, `record` and `replay`.
     """
 
     _has_reset: bool
     _has_updated: bool
 
-    def __init__(self, parallel: CatchArenaEnv) -> None:
-        require_type("parallel", parallel, CatchArenaEnv, "parallel_env(name)")
+    def __init__(
+        self,
+        scenario: str | ArenaConfig = "standard",
+        render_mode: str | None = None,
+        *,
+        infos: Infos = "full",
+        agent_names: str | Sequence[str] | None = None,
+        **overrides: object,
+    ) -> None:
+        parallel = CatchArenaEnv(scenario, render_mode, infos=infos, agent_names=agent_names, **overrides)
         super().__init__(parallel_to_aec_wrapper(parallel))
         self.world = parallel.world
         self.digest = parallel.digest
@@ -160,15 +169,5 @@ class _Unwrapped:
         setattr(self._aec, name, value)
 
 
-def env(
-    scenario: str | ArenaConfig = "standard",
-    render_mode: str | None = None,
-    *,
-    infos: Infos = "full",
-    agent_names: str | Sequence[str] | None = None,
-    **overrides: object,
-) -> CatchArenaAecEnv:
-    """Return the arena as a PettingZoo AEC environment, in which agents act one after the other and move together;
-    arguments as for `parallel_env`.
-    """
-    return CatchArenaAecEnv(parallel_env(scenario, render_mode, infos=infos, agent_names=agent_names, **overrides))
+env = CatchArenaAecEnv
+"""PettingZoo's name for the maker of an AEC environment."""

@@ -4,6 +4,7 @@ and checks of the arguments that callers give.
 
 import copy
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, get_args
@@ -18,14 +19,14 @@ from catch_arena.core import rows
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.actions import ActionReader, checked_action
-from catch_arena.envs.agent_names import checked_agent_names
 from catch_arena.envs.display import RENDER_MODES, Display, notebook_html
 from catch_arena.envs.global_state import state_vector
 from catch_arena.envs.results import Infos, Results, of_agents
 from catch_arena.envs.spaces import action_space, observation_space, vector_space
 from catch_arena.equality import EqualByBits
-from catch_arena.errors import ConfigError, EpisodeError, require_type
+from catch_arena.errors import ConfigError, EpisodeError
 from catch_arena.layout import observation_size, prey_columns, state_columns
+from catch_arena.plain import as_python
 from catch_arena.replay import Recorder, Replay
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import shortened
@@ -50,31 +51,6 @@ class SavedEpisode(EqualByBits):
     np_random: Any
     """State of the random generator; None if nothing has drawn from it."""
     replay: Replay | None
-
-
-def parallel_env(
-    scenario: str | ArenaConfig = "standard",
-    render_mode: str | None = None,
-    *,
-    infos: Infos = "full",
-    agent_names: str | Sequence[str] | None = None,
-    **overrides: object,
-) -> "CatchArenaEnv":
-    """Return the arena as a PettingZoo parallel environment.
-
-    Args:
-        scenario: name of a scenario, or a config.
-        render_mode: None, "rgb_array" or "human".
-        infos: "full", "mask" (only the mask) or "none": see CatchArenaEnv.
-        agent_names: names of the agents in this env: a pattern such as "agent_{seat}" or "agent_{seat:02d}", in which
-            prey's seats follow the hunters', or a list with one name for each. The world, replays and digests do not
-            depend on them.
-        overrides: fields of ArenaConfig.
-
-    Raises:
-        ConfigError: names the setting, the requirement and the value.
-    """
-    return CatchArenaEnv(arena_config(scenario, **overrides), render_mode, infos, agent_names)
 
 
 class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo is not typed everywhere
@@ -112,23 +88,36 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     in `agents`, and its actions are ignored until it returns (R12.3).
 
     Errors are ActionError, EpisodeError and ConfigError; a call that raises leaves the arena as it was.
+
+    Args:
+        scenario: name of a scenario, or a config.
+        render_mode: None, "rgb_array" or "human".
+        infos: "full", "mask" (only the mask) or "none".
+        agent_names: names of the agents in this env: a pattern such as "agent_{seat}" or "agent_{seat:02d}", in which
+            prey's seats follow the hunters', or a list with one name for each. The world, replays and digests do not
+            depend on them.
+        overrides: fields of ArenaConfig.
+
+    Raises:
+        ConfigError: names the setting, the requirement and the value.
     """
 
     metadata: dict[str, Any] = {"name": RULESET, "render_modes": list(RENDER_MODES), "is_parallelizable": True}  # noqa: RUF012 - PettingZoo's own form
 
     def __init__(
         self,
-        config: ArenaConfig,
+        scenario: str | ArenaConfig = "standard",
         render_mode: str | None = None,
+        *,
         infos: Infos = "full",
         agent_names: str | Sequence[str] | None = None,
+        **overrides: object,
     ) -> None:
-        require_type("config", config, ArenaConfig, "scenario(name)")
+        self.config = config = arena_config(scenario, **overrides)
         require_choice("infos", infos, get_args(Infos))
-        self.config = config
         self.render_mode = render_mode
         self.metadata = {**type(self).metadata, "render_fps": max(1, round(1000 / config.control_period_ms))}
-        self.possible_agents = checked_agent_names(agent_names, [*config.hunter_names, *config.prey_names])
+        self.possible_agents = _agent_names(agent_names, [*config.hunter_names, *config.prey_names])
         self.agents: list[str] = []
         self.max_cycles = config.max_steps
         hunters_leave = config.dropout_rate > 0.0 and config.dropouts == "leave"
@@ -389,3 +378,31 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def _require_episode(self, method: str) -> None:
         if self._seed is None:
             raise EpisodeError(f"cannot call {method}(): no episode has begun; call reset() first")
+
+
+def _agent_names(given: str | Sequence[str] | None, usual: list[str]) -> list[str]:
+    """Return the names of an env's agents.
+
+    Args:
+        given: a pattern with {seat}, a list, or None.
+        usual: the names if `given` is None.
+
+    Raises:
+        ConfigError: if the names are not different, or are not one for each agent.
+    """
+    if given is None:
+        return usual
+    names = as_python(given)
+    if isinstance(given, str) and "{seat" in given:
+        with suppress(ValueError, LookupError, AttributeError, TypeError):  # it is no pattern
+            names = [given.format(seat=seat) for seat in range(len(usual))]
+    if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names):
+        pattern = 'a pattern such as "agent_{seat}" or "agent_{seat:02d}"'
+        raise ConfigError(f"agent_names must be {pattern}, or a list of names, got {shortened(given)}")
+    if not len(set(names)) == len(names) == len(usual):
+        raise ConfigError(f"agent_names must be {len(usual)} different names, got {shortened(given)}")
+    return list(names)
+
+
+parallel_env = CatchArenaEnv
+"""PettingZoo's name for the maker of a parallel environment."""

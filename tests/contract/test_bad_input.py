@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 
 import catch_arena
-from catch_arena.envs.aec import CatchArenaAecEnv
-from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.errors import (
     ActionError,
     CatchArenaError,
@@ -285,7 +283,6 @@ def test_limits_of_hunters_that_differ_need_a_seat():
         prey_columns,
         state_columns,
         catch_arena.Engine,
-        CatchArenaEnv,
     ],
 )
 @pytest.mark.parametrize("wrong", ["duel", 3, {"hunters": 2}], ids=repr)
@@ -331,7 +328,8 @@ CALLS = [
     ("cmd_vel must map", lambda wrong: service().step(wrong)),
     ("active_targets must map", lambda wrong: service().step(active_targets=wrong)),
     ("names must have 2 entries", lambda wrong: catch_arena.ArenaService("duel").record(wrong)),
-    ("parallel must be a CatchArenaEnv", CatchArenaAecEnv),
+    ("unknown scenario", catch_arena.parallel_env),
+    ("unknown scenario", catch_arena.env),
     ("file must be a path", lambda wrong: recorded().save(wrong)),
     ("replay must be a Replay", catch_arena.explain),
     ("replay must be a Replay", lambda wrong: catch_arena.explain_step(wrong, 1)),
