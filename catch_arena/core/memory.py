@@ -165,11 +165,6 @@ def lay_out(sizes: Mapping[str, int]) -> tuple[Bytes, Sections]:
     return memory, sections_of(memory)
 
 
-def offset_of(section: str, memory: Bytes) -> int:
-    """Return the offset of a section in the memory [bytes]."""
-    return int(memory[: 8 * _DIRECTORY].view(np.int64)[_INDICES[section]])
-
-
 def copy_of(memory: Bytes) -> Bytes:
     """Return an independent copy of a memory."""
     copied = _new_bytes(len(memory))
