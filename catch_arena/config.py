@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any, Final, Literal, get_args
+from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.plain import as_python, plain_setting, real_number, whole_number
@@ -107,25 +107,28 @@ class FaultRates(_Part):
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class ArenaConfig:
-    """All settings of an arena; equal configs play equal matches (R10.1)."""
+    """All settings of an arena; equal configs play equal matches (R10.1).
 
-    hunters: int = 4
+    The type of a number has its bounds: its least value, or None for above 0, and its greatest value.
+    """
+
+    hunters: Annotated[int, 1, MAX_HUNTERS] = 4
     """R2.6: number of hunters, 1 to 64."""
     control: Control | tuple[Control, ...] = "target"
     """R4.1, R4.4: kind of control, for all hunters or for each seat."""
-    side_m: float = TURTLESIM_SIDE_M
+    side_m: Annotated[float, 2.0, 5000.0] = TURTLESIM_SIDE_M
     """R2.1: side of the arena, 2 to 5000; both coordinates lie in [0, side_m]."""
     hunter_poses: tuple[tuple[float, float, float], ...] | None = None
     """R2.6: start pose (x, y, theta) of each seat; None draws poses on a fair circle."""
     start_radius_m: float | None = None
     """R2.6: radius of the fair circle of start poses; None means 0.3 of the side."""
-    max_speed_mps: float | tuple[float, ...] = 2.0
+    max_speed_mps: Annotated[float | tuple[float, ...], None, 1000.0] = 2.0
     """R2.5, R2.7: greatest speed v_max, for all hunters or for each seat."""
-    max_turn_rate_radps: float | tuple[float, ...] = 4.0
+    max_turn_rate_radps: Annotated[float | tuple[float, ...], None, 1000.0] = 4.0
     """R2.5, R2.7: greatest turn rate w_max, for all hunters or for each seat."""
     reverse: bool = False
     """R2.5: true if hunters may drive backwards, down to -v_max; prey too."""
-    reach_m: float | tuple[float, ...] = 0.3
+    reach_m: Annotated[float | tuple[float, ...], None, 10_000.0] = 0.3
     """R5.3, R2.7: a target is within reach strictly below this distance, for all hunters or for each seat."""
     policy: ArbitrationPolicy = "nearest"
     """R5.9: rule that decides contests."""
@@ -133,31 +136,31 @@ class ArenaConfig:
     """R5.10: number of hunters of one team that a catch needs; more than 1 requires teams."""
     teams: tuple[tuple[int, ...], ...] | None = None
     """R11.1: seats of each team, each seat once; None makes each hunter a team of its own."""
-    team_share: float = 0.0
+    team_share: Annotated[float, 0.0, 1.0] = 0.0
     """R11.2: share of a hunter's reward that is the mean of its team's rewards, 0 to 1; no effect without teams."""
     spawning: bool = True
     """R3.1: true if the spawn timer is on."""
-    spawn_frequency_hz: float = 1.0
+    spawn_frequency_hz: Annotated[float, -1e6, 1e6] = 1.0
     """R3.1: spawns per second; 0 or a negative value means one every 5 s, as in the capstone."""
     initial_targets: int = 8
     """R3.1: number of targets placed at reset, prey included."""
-    max_targets: int = 16
+    max_targets: Annotated[int, 1, MAX_TARGETS] = 16
     """R3.5: largest number of targets alive at a time, 1 to 64."""
     target_budget: int | None = None
     """R1.5: number of targets after whose spawn and catch the episode terminates; None means no such end."""
     target_motion: TargetMotion = "still"
     """R3.7: motion of targets without prey: they stand still, wander (R3.9) or flee (R3.10)."""
-    target_speed_mps: float = 1.0
+    target_speed_mps: Annotated[float, None, 1000.0] = 1.0
     """R3.8: speed of a target, greatest speed of prey; a fleeing target drives at half of it if no hunter is near."""
-    target_turn_rate_radps: float = 3.0
+    target_turn_rate_radps: Annotated[float, None, 1000.0] = 3.0
     """R3.8: greatest turn rate of a target or prey."""
-    wander_period_ms: int = 1000
+    wander_period_ms: Annotated[int, 1, 10**9] = 1000
     """R3.9: time for which a wandering target keeps the turn rate that was drawn."""
-    alarm_m: float = 2.0
+    alarm_m: Annotated[float, 0.0, 10_000.0] = 2.0
     """R3.10: distance below which a hunter is a threat to a target."""
-    prey: int = 0
+    prey: Annotated[int, 0, MAX_PREY] = 0
     """R12.1: number of initial targets that agents play, 0 to 32; prey requires target_budget None."""
-    prey_returns_s: float | None = 2.0
+    prey_returns_s: Annotated[float | None, 0.0, 1e9] = 2.0
     """R12.3: time from the catch of prey to its return; None means that it does not return."""
     name_prefix: str = "target_turtle_"
     """R3.4: first part of each target's name; the target's number follows."""
@@ -165,21 +168,21 @@ class ArenaConfig:
     """R7.1: K, number of nearest targets in a hunter's observation; None means min(8, max_targets)."""
     observed_hunters: int | None = None
     """R7.1: number of nearest rivals in a hunter's observation; None means min(hunters - 1, 7)."""
-    view_radius_m: float | None = None
+    view_radius_m: Annotated[float | None, None, 10_000.0] = None
     """R7.5: distance below which a hunter sees others; None means the whole arena."""
-    view_angle_deg: float = 360.0
+    view_angle_deg: Annotated[float, None, 360.0] = 360.0
     """R7.5: full angle of a hunter's cone of view, centred on its heading, above 0 and up to 360."""
-    view_noise_m: float = 0.0
+    view_noise_m: Annotated[float, 0.0, 1000.0] = 0.0
     """R7.6: standard deviation of the error in each position that a hunter sees."""
     mask_in_observation: bool = False
     """R7.2: true if observations under target control are Dict(observation, action_mask), not the bare vector."""
-    control_period_ms: int = 100
+    control_period_ms: Annotated[int, 16, 10**9] = 100
     """R1.3: duration of one step, at least 16."""
-    time_limit_s: float = 60.0
+    time_limit_s: Annotated[float, None, 1e9] = 60.0
     """R1.5: time limit; the episode is truncated at the first step boundary at or past it."""
-    max_cycles: int | None = None
+    max_cycles: Annotated[int | None, 1, 10**9] = None
     """R1.5: length of the episode in steps, PettingZoo's word for it; it replaces time_limit_s unless it is None."""
-    dropout_rate: float = 0.0
+    dropout_rate: Annotated[float, 0.0, 1.0] = 0.0
     """R1.7: probability that a hunter drops out in a step."""
     dropouts: Dropouts = "leave"
     """R1.7: a hunter that drops out leaves PettingZoo's agents, or stays among them and does nothing."""
@@ -194,45 +197,53 @@ class ArenaConfig:
 
     def __post_init__(self) -> None:
         _make_plain(self)
-        require_integer("hunters", self.hunters, 1, MAX_HUNTERS)
-        _require_number("side_m", self.side_m, 2.0, 5000.0)
-        for setting, most in (("max_speed_mps", 1000.0), ("max_turn_rate_radps", 1000.0), ("reach_m", 10_000.0)):
-            for name, value in self._by_seat(setting):
-                _require_number(name, value, None, most)
+        self._check_bounds()
         for name, value in self._by_seat("control"):
             require_choice(name, value, get_args(Control))
-        _require_number("spawn_frequency_hz", self.spawn_frequency_hz, -1e6, 1e6)
-        require_integer("max_targets", self.max_targets, 1, MAX_TARGETS)
+        for name, choices in (("policy", ArbitrationPolicy), ("dropouts", Dropouts), ("target_motion", TargetMotion)):
+            require_choice(name, getattr(self, name), get_args(choices))
+        for name in ("reverse", "spawning", "mask_in_observation"):
+            require_flag(name, getattr(self, name))
         require_integer("initial_targets", self.initial_targets, 0, self.max_targets, "max_targets")
-        require_integer("control_period_ms", self.control_period_ms, 16, 10**9)
-        _require_number("time_limit_s", self.time_limit_s, None, 1e9)
-        _require_number("dropout_rate", self.dropout_rate, 0.0, 1.0)
+        require_integer("prey", self.prey, 0, self.initial_targets, "initial_targets, which include prey")
         if self.start_radius_m is not None:
             _require_number("start_radius_m", self.start_radius_m, 0.0, self.side_m / 2)
         if self.target_budget is not None:
             require_integer("target_budget", self.target_budget, max(1, self.initial_targets), 2**40)
-        if self.max_cycles is not None:
-            require_integer("max_cycles", self.max_cycles, 1, 10**9)
         if self.observed_targets is not None:
             require_integer("observed_targets", self.observed_targets, 1, self.max_targets, "max_targets")
         if self.observed_hunters is not None:
             require_integer("observed_hunters", self.observed_hunters, 0, self.hunters - 1, "hunters - 1")
-        for name in ("reverse", "spawning", "mask_in_observation"):
-            require_flag(name, getattr(self, name))
-        require_choice("policy", self.policy, get_args(ArbitrationPolicy))
-        require_choice("dropouts", self.dropouts, get_args(Dropouts))
         prefix = self.name_prefix
         if not isinstance(prefix, str) or len(prefix) > 200 or not prefix.isprintable():
             raise ConfigError(f"name_prefix must be at most 200 printable characters, got {prefix!r}")
         for name, (kind, _) in _PARTS.items():
             if not isinstance(getattr(self, name), kind):
                 raise ConfigError(f"{name} must be {kind.__name__}(...) or a mapping, got {getattr(self, name)!r}")
-        self._check_target_motion()
-        self._check_view()
-        self._check_poses()
-        self._check_teams()
+        if self.teams is not None:
+            object.__setattr__(self, "teams", checked_teams(self.teams, self.hunters))
         require_hunters_per_catch(self.hunters_per_catch, self.teams, self.policy)
-        self._check_prey()
+        if self.prey and self.target_budget is not None:
+            raise ConfigError(f"target_budget must be None if the arena has prey, got {self.target_budget!r}")
+        if self.policy == "capstone":
+            # R9.1: capstone agents drive to the first of all alive targets, so they must see it
+            for name, whole in (("view_radius_m", None), ("view_angle_deg", 360)):
+                if getattr(self, name) != whole:
+                    raise ConfigError(
+                        f"{name} must be {whole} under the policy 'capstone', got {getattr(self, name)!r}"
+                    )
+        self._check_poses()
+
+    def _check_bounds(self) -> None:
+        """Check each number whose type has bounds."""
+        for setting in dataclasses.fields(self):
+            if get_origin(setting.type) is Annotated:
+                kind, *bounds = get_args(setting.type)
+                alone = setting.name, getattr(self, setting.name)
+                require = require_integer if isinstance(bounds[1], int) else _require_number
+                for name, value in self._by_seat(setting.name) if tuple[float, ...] in get_args(kind) else [alone]:
+                    if value is not None or type(None) not in get_args(kind):
+                        require(name, value, *bounds)
 
     def _by_seat(self, name: str) -> Iterator[tuple[str, Any]]:
         """Yield the value of a setting for all hunters, or of each seat, with its name in errors."""
@@ -243,25 +254,6 @@ class ArenaConfig:
         if len(value) != self.hunters:
             raise ConfigError(f"{name} must be one value, or one for each of {self.hunters} hunters, got {value!r}")
         yield from ((f"{name}[{seat}]", one) for seat, one in enumerate(value))
-
-    def _check_target_motion(self) -> None:
-        require_choice("target_motion", self.target_motion, get_args(TargetMotion))
-        _require_number("target_speed_mps", self.target_speed_mps, None, 1000.0)
-        _require_number("target_turn_rate_radps", self.target_turn_rate_radps, None, 1000.0)
-        require_integer("wander_period_ms", self.wander_period_ms, 1, 10**9)
-        _require_number("alarm_m", self.alarm_m, 0.0, 10_000.0)
-
-    def _check_view(self) -> None:
-        if self.view_radius_m is not None:
-            _require_number("view_radius_m", self.view_radius_m, None, 10_000.0)
-        _require_number("view_angle_deg", self.view_angle_deg, None, 360.0)
-        _require_number("view_noise_m", self.view_noise_m, 0.0, 1000.0)
-        if self.policy == "capstone":
-            # R9.1: capstone agents drive to the first of all alive targets, so they must see it
-            for name, whole in (("view_radius_m", None), ("view_angle_deg", 360)):
-                value = getattr(self, name)
-                if value != whole:
-                    raise ConfigError(f"{name} must be {whole} under the policy 'capstone', got {value!r}")
 
     def _check_poses(self) -> None:
         if self.hunter_poses is None:
@@ -277,19 +269,6 @@ class ArenaConfig:
         # adding 0.0 turns -0.0 into 0.0, so that equal poses have equal digests
         poses = tuple((x + 0.0, y + 0.0, theta + 0.0) for x, y, theta in self.hunter_poses)
         object.__setattr__(self, "hunter_poses", poses)
-
-    def _check_teams(self) -> None:
-        _require_number("team_share", self.team_share, 0.0, 1.0)
-        if self.teams is not None:
-            object.__setattr__(self, "teams", checked_teams(self.teams, self.hunters))
-
-    def _check_prey(self) -> None:
-        require_integer("prey", self.prey, 0, MAX_PREY)
-        require_integer("prey", self.prey, 0, self.initial_targets, "initial_targets, which include prey")
-        if self.prey and self.target_budget is not None:
-            raise ConfigError(f"target_budget must be None if the arena has prey, got {self.target_budget!r}")
-        if self.prey_returns_s is not None:
-            _require_number("prey_returns_s", self.prey_returns_s, 0.0, 1e9)
 
     @property
     def controls(self) -> tuple[Control, ...]:
