@@ -193,26 +193,8 @@ MovingTargetFeatures: Final[Any] = _both("MovingTargetFeatures", TargetFeatures,
 TeamRivalFeatures: Final[Any] = _both("TeamRivalFeatures", RivalFeatures, TeamFeatures)
 OtherPreyFeatures: Final[Any] = _both("OtherPreyFeatures", BodyFeatures, PreyFeatures)
 
-SELF_COLUMNS: Final = SelfFeatures._fields
-TARGET_COLUMNS: Final = TargetFeatures._fields
-MOVING_TARGET_COLUMNS: Final = MovingTargetFeatures._fields
-RIVAL_COLUMNS: Final = RivalFeatures._fields
 MOST_SEEN_BY_PREY: Final = 8
 """R12.4: largest number of hunters that prey sees, and of other prey."""
-
-
-def target_features(arena: Any) -> Any:
-    """R7.1, R7.4: return the table with a target's columns in a hunter's observation.
-
-    Args:
-        arena: an `ArenaConfig`, or a hunter's `Limits`; so in the functions below.
-    """
-    return MovingTargetFeatures if arena.targets_move else TargetFeatures
-
-
-def rival_features(arena: Any) -> Any:
-    """R7.1, R7.4: return the table with a rival's columns in a hunter's observation."""
-    return TeamRivalFeatures if arena.teams else RivalFeatures
 
 
 class Group(NamedTuple):
@@ -242,9 +224,14 @@ def _grouped(
 
 
 def groups(arena: Any) -> tuple[Group, Group, Group]:
-    """R7.1: return the columns of a hunter's observation: the hunter itself, targets, rivals."""
-    seen = ("target", target_features(arena), arena.targets_seen), ("rival", rival_features(arena), arena.hunters_seen)
-    return _grouped(SelfFeatures, *seen)
+    """R7.1, R7.4: return the columns of a hunter's observation: the hunter itself, targets, rivals.
+
+    Args:
+        arena: an `ArenaConfig`, or a hunter's `Limits`; so in the functions below.
+    """
+    target = MovingTargetFeatures if arena.targets_move else TargetFeatures
+    rival = TeamRivalFeatures if arena.teams else RivalFeatures
+    return _grouped(SelfFeatures, ("target", target, arena.targets_seen), ("rival", rival, arena.hunters_seen))
 
 
 def observation_size(arena: Any) -> int:

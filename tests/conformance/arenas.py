@@ -11,7 +11,7 @@ from oracle.turtles import Hunter, Target, in_own_frame
 from rulebook.adjudicators import Adjudicator, OracleAdjudicator, adjudicator
 
 from catch_arena.config import ArenaConfig
-from catch_arena.layout import SELF_COLUMNS, rival_features, target_features
+from catch_arena.layout import Group, groups
 from catch_arena.verdicts import Verdict
 
 STEPS, COUNTED = range(3), range(1, 6)
@@ -100,26 +100,21 @@ class AdjudicatorUnderTest:
 
     def seen(self, seat: int) -> list[int]:
         """R7.1: the numbers that a seat observes, by rank."""
-        config, columns = self.match.config, len(target_features(self.match.config)._fields)
-        return self.found(
-            seat, len(SELF_COLUMNS), columns, config.targets_seen, {int(one.number): one for one in self.match.targets}
-        )
+        return self.found(seat, groups(self.match.config)[1], {int(one.number): one for one in self.match.targets})
 
     def rivals_seen(self, seat: int) -> list[int]:
         """R7.1: the seats of the rivals that a seat observes, by rank."""
-        config, columns = self.match.config, len(target_features(self.match.config)._fields)
-        others = {other: self.match.hunter(other) for other in range(config.hunters) if other != seat}
-        first = len(SELF_COLUMNS) + columns * config.targets_seen
-        return self.found(seat, first, len(rival_features(config)._fields), config.hunters_seen, others)
+        others = {other: self.match.hunter(other) for other in range(self.match.config.hunters) if other != seat}
+        return self.found(seat, groups(self.match.config)[2], others)
 
-    def found(self, seat: int, first: int, columns: int, ranks: int, things: Mapping[int, Any]) -> list[int]:
+    def found(self, seat: int, group: Group, things: Mapping[int, Any]) -> list[int]:
         """Which things, by label, the ranks of one kind in a seat's observation show: what stands just there."""
         me = self.match.hunter(seat)
         if me.withdrawn:
             return []
         observation = self.match.observation(seat)
         hunter, left_over, labels = Hunter(seat, me.x, me.y, me.theta), dict(things), []
-        for at in range(first, first + columns * ranks, columns):
+        for at in range(group.first, group.end, len(group.table._fields)):
             if observation[at + 2]:
                 shown = observation[at : at + 2]
                 label = min(

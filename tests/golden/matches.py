@@ -16,7 +16,7 @@ from typing import Any
 from rulebook.adjudicators import Adjudicator, adjudicator
 
 from catch_arena.config import ArenaConfig
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, target_features
+from catch_arena.layout import groups
 from catch_arena.scenarios import scenario
 
 FOLDER = Path(__file__).parent
@@ -74,12 +74,10 @@ class Match:
 
 def view(arena: Adjudicator, seat: int) -> str:
     """Targets and rivals that one hunter sees, in its own frame, the nearest first."""
-    config, numbers = arena.config, arena.observation(seat)
-    columns = len(target_features(config)._fields)
-    rivals = len(SELF_COLUMNS) + columns * config.targets_seen
+    numbers = arena.observation(seat)
     found = [
         " ".join(f"({numbers[at]:.3f}, {numbers[at + 1]:.3f})" for at in places if numbers[at + 2]) or "none"
-        for places in (range(len(SELF_COLUMNS), rivals, columns), range(rivals, len(numbers), len(RIVAL_COLUMNS)))
+        for places in (range(group.first, group.end, len(group.table._fields)) for group in groups(arena.config)[1:])
     ]
     return f"  hunter_{seat} sees targets {found[0]}, rivals {found[1]}"
 

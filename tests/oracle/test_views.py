@@ -7,9 +7,10 @@ from oracle.arena import OracleArena
 from oracle.arithmetic import ERROR, draw, fraction, key, to_float32
 from oracle.quiet import drive, quiet, rest
 
-from catch_arena.layout import MOVING_TARGET_COLUMNS, RIVAL_COLUMNS, SELF_COLUMNS, TARGET_COLUMNS
+from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures
 
-OWN, TARGET, MOVING_TARGET, RIVAL = map(len, (SELF_COLUMNS, TARGET_COLUMNS, MOVING_TARGET_COLUMNS, RIVAL_COLUMNS))
+TABLES = SelfFeatures, TargetFeatures, MovingTargetFeatures, RivalFeatures
+OWN, TARGET, MOVING_TARGET, RIVAL = (len(table._fields) for table in TABLES)
 """Widths of an observation's parts: names and widths are the table's, all values the oracle's."""
 
 
@@ -23,7 +24,7 @@ def seen_numbers(arena: OracleArena, seat: int = 0) -> int:
 def seen_rivals(arena: OracleArena, seat: int = 0) -> int:
     """Number of rivals that stand in the observation of a hunter of an arena with still targets."""
     rivals = arena.observations()[seat][OWN + TARGET * arena.targets_seen :]
-    return int(sum(rivals[RIVAL_COLUMNS.index("present") :: RIVAL]))
+    return int(sum(rivals[RivalFeatures._fields.index("present") :: RIVAL]))
 
 
 @pytest.mark.rule("R7.4")
@@ -37,7 +38,7 @@ def test_r7_4_a_moving_target_has_a_heading_and_a_velocity() -> None:
         rows = [numbers[OWN + MOVING_TARGET * rank :][:MOVING_TARGET] for rank in range(5)]
         assert rows[3:] == [[0.0] * MOVING_TARGET] * 2
         for row in rows[:3]:
-            seen = dict(zip(MOVING_TARGET_COLUMNS, row, strict=True))
+            seen = dict(zip(MovingTargetFeatures._fields, row, strict=True))
             forward, left = seen["forward"], seen["left"]
             (target,) = (
                 one

@@ -24,7 +24,7 @@ from rulebook.adjudicators import as_arrays, by_seat
 from catch_arena.config import ArenaConfig
 from catch_arena.core import rows
 from catch_arena.engine import Engine
-from catch_arena.layout import SELF_COLUMNS, columns, prey_columns
+from catch_arena.layout import SelfFeatures, columns, prey_columns
 from catch_arena.scenarios import SCENARIOS, scenario
 from catch_arena.verdicts import Verdict
 
@@ -254,7 +254,7 @@ def test_a_zero_with_a_sign_loses_it() -> None:
 
 def towards_the_nearest(observation: Sequence[float]) -> Command:
     """Velocities that chase the target at rank 1."""
-    forward, left, present = observation[len(SELF_COLUMNS) :][:3]
+    forward, left, present = observation[len(SelfFeatures._fields) :][:3]
     return present, max(-1.0, min(1.0, math.atan2(left, forward)))
 
 

@@ -13,13 +13,7 @@ from oracle.arena import PART_NAMES, Command, OracleArena
 from catch_arena.config import ArenaConfig
 from catch_arena.core import rows
 from catch_arena.errors import EpisodeError
-from catch_arena.layout import (
-    RIVAL_COLUMNS,
-    SELF_COLUMNS,
-    observation_size,
-    prey_observation_size,
-    target_features,
-)
+from catch_arena.layout import groups, observation_size, prey_observation_size
 from catch_arena.verdicts import Ruling, Verdict
 
 Action = Any
@@ -168,17 +162,19 @@ class Adjudicator:
 
     def own(self, seat: int = 0) -> dict[str, float]:
         """Numbers that one hunter sees of itself, by column."""
-        return dict(zip(SELF_COLUMNS, self.observation(seat)[: len(SELF_COLUMNS)], strict=True))
+        return self._rows(seat, 0)[0]
 
     def seen_targets(self, seat: int = 0) -> list[dict[str, float]]:
         """Numbers that it sees of the target of each rank."""
-        names, first = target_features(self.config)._fields, len(SELF_COLUMNS)
-        return rows_by_name(names, self.observation(seat)[first : first + len(names) * self.config.targets_seen])
+        return self._rows(seat, 1)
 
     def seen_rivals(self, seat: int = 0) -> list[dict[str, float]]:
         """Numbers that it sees of the rival of each rank."""
-        first = len(SELF_COLUMNS) + len(target_features(self.config)._fields) * self.config.targets_seen
-        return rows_by_name(RIVAL_COLUMNS, self.observation(seat)[first:])
+        return self._rows(seat, 2)
+
+    def _rows(self, seat: int, kind: int) -> list[dict[str, float]]:
+        group = groups(self.config)[kind]
+        return rows_by_name(group.table._fields, self.observation(seat)[group.first : group.end])
 
     time = property(lambda self: self.numbers()[0])
     steps = property(lambda self: self.numbers()[1])

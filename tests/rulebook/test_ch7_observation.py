@@ -9,11 +9,11 @@ from rulebook.conftest import ArenaFactory
 
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import parallel_env
-from catch_arena.layout import RIVAL_COLUMNS, SELF_COLUMNS, columns, observation_size, state_columns, target_features
+from catch_arena.layout import RivalFeatures, SelfFeatures, columns, groups, observation_size, state_columns
 from catch_arena.policy import Limits, View
 
 STILL = (0.0, 0.0)
-OWN = len(SELF_COLUMNS)
+OWN = len(SelfFeatures._fields)
 
 
 @pytest.mark.rule("R7.1")
@@ -139,13 +139,13 @@ def test_r7_1_at_most_the_nearest_seven_rivals_are_seen_by_default(arena: ArenaF
 
 def read_by_name(view: View, config: ArenaConfig) -> dict[str, float]:
     """All that a view shows, under the names of the observation's columns."""
-    read = {name: getattr(view, name) for name in SELF_COLUMNS}
+    read = {name: getattr(view, name) for name in SelfFeatures._fields}
     for target in view.targets:
-        names = target_features(config)._fields
+        names = groups(config)[1].table._fields
         its = {name: getattr(target, name, 1.0) for name in names}  # who is in view is present
         read |= {f"target_{target.rank}.{name}": float(value) for name, value in its.items()}
     for rival in view.rivals:
-        its = {name: getattr(rival, name, 1.0) for name in RIVAL_COLUMNS}
+        its = {name: getattr(rival, name, 1.0) for name in RivalFeatures._fields}
         read |= {f"rival_{rival.rank}.{name}": float(value) for name, value in its.items()}
     return read
 
