@@ -3,8 +3,8 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
-from typing import Any, ClassVar, Final, Literal, NamedTuple, Protocol, TypeVar, runtime_checkable
+from functools import cache, cached_property
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol, runtime_checkable
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError, ConfigError, require_type
@@ -16,32 +16,40 @@ Side = Literal["hunter", "prey"]
 """R12.7: kind of player that an agent plays."""
 
 
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """Settings of an arena that a hunter may use, as they apply to it; fixed for the match."""
-
-    side: ClassVar[Side] = "hunter"
+@dataclass(frozen=True, slots=True, kw_only=True)
+class _PlayerLimits:
+    """Settings of an arena that any player may use, as they apply to it; fixed for the match."""
 
     side_m: float
     """Side of the arena [m]; x and y lie in [0, side_m] (R2.1)."""
     reach_m: float
-    """Distance below which the hunter can catch a target [m] (R5.3)."""
+    """Distance below which the hunter can catch a target [m]; for prey, the longest such distance (R5.3, R2.7)."""
     max_speed_mps: float
-    """Greatest speed ahead [m/s] (R2.5)."""
+    """Greatest speed ahead [m/s] (R2.5, R12.2)."""
     min_speed_mps: float
-    """Lowest linear velocity [m/s]: -max_speed_mps, or 0 if hunters may not drive backwards."""
+    """Lowest linear velocity [m/s]: -max_speed_mps, or 0 if this player may not drive backwards."""
     max_turn_rate_radps: float
-    """Greatest turn rate, to either side [rad/s] (R2.5)."""
+    """Greatest turn rate, to either side [rad/s] (R2.5, R12.2)."""
     control_period_ms: int
     """Time from one action to the next [ms] (R1.3)."""
     time_limit_s: float
     """Greatest length of the match [s] (R1.5)."""
     hunters: int
-    """Number of hunters in the arena, including this one."""
+    """Number of all hunters in the arena."""
+    hunters_seen: int
+    """Largest number of hunters in view, without this one (R7.1, R12.4)."""
+    prey: int = 0
+    """Number of all prey in the arena: targets that agents play (R12.1)."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Limits(_PlayerLimits):
+    """Settings of an arena that a hunter may use, as they apply to it; fixed for the match."""
+
+    side: ClassVar[Side] = "hunter"
+
     targets_seen: int
     """Largest number of targets in view, which is the highest rank (R7.1)."""
-    hunters_seen: int
-    """Largest number of rivals in view (R7.1)."""
     control: Control
     """Kind of control of this hunter: "target", "velocity" or "full" (R4.1, R4.4)."""
     targets_move: bool = False
@@ -62,8 +70,6 @@ class Limits:
     """True if hunters play in teams; `rival.mate` then marks team-mates (R11.1)."""
     hunters_per_catch: int = 1
     """Number of hunters of one team that a catch needs (R5.10)."""
-    prey: int = 0
-    """Number of targets that agents play (R12.1)."""
 
     @classmethod
     def of(cls, config: ArenaConfig, seat: int | None = None) -> "Limits":
@@ -108,34 +114,14 @@ class Limits:
         return View(observation, mask, self)
 
 
-@dataclass(frozen=True, slots=True)
-class PreyLimits:
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PreyLimits(_PlayerLimits):
     """Settings of an arena that prey may use; fixed for the match."""
 
     side: ClassVar[Side] = "prey"
 
-    side_m: float
-    """Side of the arena [m]; x and y lie in [0, side_m] (R2.1)."""
-    reach_m: float
-    """Distance below which a hunter can catch prey [m]; the longest reach if hunters differ (R5.3, R2.7)."""
-    max_speed_mps: float
-    """Greatest speed of prey ahead [m/s] (R12.2)."""
-    min_speed_mps: float
-    """Lowest linear velocity of prey [m/s]: -max_speed_mps, or 0 if it may not drive backwards."""
-    max_turn_rate_radps: float
-    """Greatest turn rate of prey, to either side [rad/s] (R12.2)."""
     hunter_speed_mps: float
     """Greatest speed of the fastest hunter [m/s] (R2.5)."""
-    control_period_ms: int
-    """Time from one action to the next [ms] (R1.3)."""
-    time_limit_s: float
-    """Greatest length of the match [s] (R1.5)."""
-    hunters: int
-    """Number of hunters in the arena."""
-    prey: int
-    """Number of prey in the arena, including this one."""
-    hunters_seen: int
-    """Largest number of hunters in view (R12.4)."""
     prey_seen: int
     """Largest number of other prey in view (R12.4)."""
     returns_s: float | None
@@ -267,23 +253,20 @@ class SeenBody(NamedTuple):
         return math.atan2(self.heading_sin, self.heading_cos)
 
 
-Seen = TypeVar("Seen", SeenTarget, SeenHunter, SeenBody)
-
-_TYPED: Final = {
-    kind: [(place - 1, of) for place, of in enumerate(kind.__annotations__.values()) if place > 0 and of is not float]
-    for kind in (SeenTarget, SeenHunter, SeenBody)
-}
-"""Fields of each kind that are not floats, without `rank`: (index among the fields after `rank`, type)."""
+@cache
+def _typed(kind: Any, columns: int) -> list[tuple[int, type]]:
+    """Return the fields of the first columns that are not floats: index among the fields after `rank`, and type."""
+    types = [*kind.__annotations__.values()][1:columns]
+    return [(place, field_type) for place, field_type in enumerate(types) if field_type is not float]
 
 
-def _in_view(kind: type[Seen], observation: Sequence[float], group: Group) -> tuple[Seen, ...]:
+def _in_view(kind: Any, observation: Sequence[float], group: Group) -> tuple[Any, ...]:
     """Return the targets, hunters or prey of a group of columns that are in view, nearest first.
 
     The fields of `kind` are the rank and then the group's columns in their order, without `present`.
     """
     columns, present, column = len(group.table._fields), group.table._fields.index("present"), group.first
-    typed = [(place, field_type) for place, field_type in _TYPED[kind] if place < columns - 1]
-    seen = []
+    typed, seen = _typed(kind, columns), []
     for rank in range(1, group.ranks + 1):
         values: list[Any] = list(observation[column : column + columns])
         if not values.pop(present):

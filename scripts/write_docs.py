@@ -42,13 +42,14 @@ def column_table(columns: Sequence[Column], begins: str = "", repeats: str = "")
 
 
 def words_below(owner: type) -> dict[str, str]:
-    """Return the docstring below each field of a class, by the field's name."""
-    (definition,) = ast.parse(inspect.getsource(owner)).body
+    """Return the docstring below each field of a class and its bases, by the field's name."""
     found = {}
-    for pair in pairwise(definition.body):
-        match pair:
-            case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(words))):
-                found[name] = words
+    for kind in reversed(owner.__mro__[:-1]):  # in the order of the fields
+        (definition,) = ast.parse(inspect.getsource(kind)).body
+        for pair in pairwise(definition.body):
+            match pair:
+                case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(words))):
+                    found[name] = words
     return found
 
 
