@@ -51,12 +51,13 @@ class ArenaService:
             raise ConfigError("observed_targets cannot be set: ArenaService sets it to max_targets; leave it out")
         config = arena_config(scenario, **overrides)
         self._engine = Engine(config.replace(control=control, observed_targets=config.max_targets))
-        self._config = self._engine.config
+        self.config = self._engine.config
+        """Settings of the arena, including those that the service sets."""
         self._seed: int | None = None
         self._appeared: set[str] = set()
         self._subscribers: list[Callable[[TurtleArray], object]] = []
-        self._recorder = Recorder(self._config)
-        self._budget = RequestBudget(self._config.hunters)
+        self._recorder = Recorder(self.config)
+        self._budget = RequestBudget(self.config.hunters)
 
     def reset(self, seed: int | None = None) -> None:
         """Begin an episode, and publish its targets.
@@ -69,7 +70,7 @@ class ArenaService:
         self._engine.reset([self._seed])
         self._appeared = {target.name for target in self.world.targets}
         self._recorder.begin(self._seed, self._engine)
-        self._budget = RequestBudget(self._config.hunters)
+        self._budget = RequestBudget(self.config.hunters)
         self._publish(self.alive_turtles())
 
     def record(self, names: Sequence[str], title: str = "") -> None:
@@ -79,7 +80,7 @@ class ArenaService:
             ConfigError: for a name or a title that is not at most 200 printable characters, and under the policy
                 `capstone`, which may grant and score a name that has no rank.
         """
-        if self._config.policy == "capstone":
+        if self.config.policy == "capstone":
             raise ConfigError(
                 "a match under the policy capstone cannot be recorded, because its grants need no target; "
                 "use the policy nearest or first_come"
@@ -119,11 +120,6 @@ class ArenaService:
         return self._seed
 
     @property
-    def config(self) -> ArenaConfig:
-        """Settings of the arena, including those that the service sets."""
-        return self._config
-
-    @property
     def world(self) -> World:
         """Current state of the arena.
 
@@ -158,7 +154,7 @@ class ArenaService:
     def observe(self, hunter: str) -> tuple[list[float], list[int]]:
         """R7.1, R7.2: return a hunter's observation, and the mask of its choices; it is [] under velocity control."""
         seat = self._seat(hunter)
-        masked = self._config.controls[seat] != "velocity"
+        masked = self.config.controls[seat] != "velocity"
         return self._engine.observations[0, seat].tolist(), self._engine.masks[0, seat].tolist() if masked else []
 
     def targets_seen(self, hunter: str) -> list[str]:
@@ -182,11 +178,11 @@ class ArenaService:
             EpisodeError: if no episode is running, or if it is recorded.
         """
         self._require_play("spawn")
-        _require_pose(self._config, x, y, theta)
+        _require_pose(self.config, x, y, theta)
         number = self._engine.spawn(0, x, y, theta)
         if not number:
             return ""
-        name = self._config.target_name(number)
+        name = self.config.target_name(number)
         self._appeared.add(name)
         self._publish(self.alive_turtles())
         return name
@@ -240,7 +236,9 @@ class ArenaService:
             raise ActionError(f"requests must be a sequence of (hunter, request), got {shortened(requests)}")
         calls = [(self._requesting_seat(hunter), request.name) for hunter, request in requests]
         choices, commands = self._choices(calls, active_targets or {}), self._commands(cmd_vel or {})
-        by_name = self._without_rank(calls, choices[0])
+        # R8.4: a hunter's rank, unless it is 0, stands for its first request; the others are judged by name
+        ranked = {seat: number for number, (seat, _) in reversed([*enumerate(calls)]) if choices[0, seat]}
+        by_name = [call for number, call in enumerate(calls) if ranked.get(call[0]) != number]
         table = self._request_table(by_name, before)
         running = not self.over
         self._engine.step(choices, commands, requests=table)
@@ -250,46 +248,34 @@ class ArenaService:
             replay.named_requests += [request for request in kept if request is not None]
             replay.append(choices[0], commands[0], self._engine)
         self._publish_changes(before, after)
-        # a rank always has a ruling, after the end MATCH_OVER; it answers the hunter's first request
-        ranked = {ruling.hunter: ruling for ruling in after.rulings if choices[0, ruling.hunter]}
-        named = iter(rulings_of(table[self._config.hunters :], [name for _, name in by_name], before.step))
-        return [ranked.pop(seat) if seat in ranked else next(named) for seat, _ in calls]
+        by_seat = {ruling.hunter: ruling for ruling in after.rulings}  # of ranks, which always have one
+        named = iter(rulings_of(table[self.config.hunters :], [name for _, name in by_name], before.step))
+        return [by_seat[seat] if ranked.get(seat) == number else next(named) for number, (seat, _) in enumerate(calls)]
 
     def _choices(self, calls: Sequence[tuple[int, object]], active_targets: Mapping[str, str]) -> NDArray[np.int64]:
         """R4.1, R4.4: return the rank of each hunter's active target in this step, (1, H): the target that it drives
         to, or that it asks for first.
         """
-        ranks = np.zeros((1, self._config.hunters), dtype=np.int64)
+        ranks = np.zeros((1, self.config.hunters), dtype=np.int64)
         driven_to = [(self._seat(hunter), name) for hunter, name in active_targets.items()]
         for seat, name in (*driven_to, *reversed(calls)):  # reversed, so that a hunter's first request is written last
             ranks[0, seat] = self._engine.rank_of(0, seat, name) if isinstance(name, str) else 0
         return ranks
 
-    def _without_rank(self, calls: Sequence[tuple[int, object]], ranks: NDArray[np.int64]) -> list[tuple[int, object]]:
-        """R8.4: return the requests without a rank; a hunter's rank, unless it is 0, stands for its first request."""
-        ranked = {seat for seat, _ in calls if ranks[seat]}
-        found = []
-        for seat, name in calls:
-            if seat in ranked:
-                ranked.remove(seat)
-            else:
-                found.append((seat, name))
-        return found
-
     def _request_table(self, by_name: Sequence[tuple[int, object]], before: World) -> RequestTable:
         """Return the engine's table of these requests."""
         slots = {target.name: slot for slot, target in enumerate(before.targets)}
-        table = np.zeros((self._config.hunters + len(by_name), REQUEST_COLUMNS), dtype=np.int64)
-        for row, (seat, name) in zip(table[self._config.hunters :], by_name, strict=True):
+        table = np.zeros((self.config.hunters + len(by_name), REQUEST_COLUMNS), dtype=np.int64)
+        for row, (seat, name) in zip(table[self.config.hunters :], by_name, strict=True):
             row[REQUEST_SEAT], row[REQUEST_TARGET] = seat, requested_target(name, slots, self._appeared)
         return table
 
     def _commands(self, cmd_vel: Mapping[str, Twist]) -> NDArray[np.float32]:
         """Return Twists as fractions of the limits, (1, H + P, 2); those of prey, which has no Twists, are 0."""
-        commands = np.zeros((1, self._config.hunters + self._config.prey, 2), dtype=np.float32)
+        commands = np.zeros((1, self.config.hunters + self.config.prey, 2), dtype=np.float32)
         for hunter, twist in cmd_vel.items():
             seat = self._seat(hunter)
-            limits = self._config.max_speeds[seat], self._config.max_turn_rates[seat]
+            limits = self.config.max_speeds[seat], self.config.max_turn_rates[seat]
             for place, (field, limit) in enumerate(zip(Twist._fields, limits, strict=True)):
                 velocity = twist[place]
                 if not -1e300 < velocity < 1e300:
@@ -320,13 +306,13 @@ class ArenaService:
 
     def _requesting_seat(self, hunter: str) -> int:
         seat = self._seat(hunter)
-        control = self._config.controls[seat]
+        control = self.config.controls[seat]
         if control != "full":
             raise ActionError(f"{hunter}: a request must be of a hunter under full control, and it is under {control}")
         return seat
 
     def _seat(self, hunter: str) -> int:
-        names = self._config.hunter_names
+        names = self.config.hunter_names
         if hunter not in names:
             raise ActionError(f"unknown hunter {hunter!r}: {suggest(hunter, names)}")
         return names.index(hunter)
