@@ -1,6 +1,5 @@
 """Rulebook R5.2: verdicts of the arbiter, and rulings, which add the evidence."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import Final
@@ -14,43 +13,33 @@ class Verdict(IntEnum):
     The `catch_turtle` response of ROS has one bit for them: its `success` is `verdict is Verdict.GRANTED`.
     """
 
-    MATCH_OVER = 1
-    MALFORMED = 2
-    HUNTER_INACTIVE = 3
-    DUPLICATE = 4
-    UNKNOWN_TARGET = 5
-    ALREADY_CAUGHT = 6
-    SERVICE_DOWN = 7
-    OUT_OF_REACH = 8
-    LOST_CONTEST = 9
-    KILL_FAILED = 10
-    GRANTED = 11
-    WAITING_FOR_PARTNER = 12
+    MATCH_OVER = 1, "the match is over", "R5.2"
+    MALFORMED = 2, "the requested name cannot be a target's name", "R5.2"
+    HUNTER_INACTIVE = 3, "the hunter is withdrawn", "R1.6"
+    DUPLICATE = 4, "the hunter has already requested in this step, and the first request stands", "R5.2"
+    UNKNOWN_TARGET = 5, "no such target was ever spawned", "R5.2"
+    ALREADY_CAUGHT = 6, "the target was caught earlier", "R5.8"
+    SERVICE_DOWN = 7, "the kill service is down in this step", "R5.7"
+    OUT_OF_REACH = 8, "the target is out of reach", "R5.3"
+    LOST_CONTEST = 9, "another hunter in reach of the same target was preferred", "R5.6"
+    KILL_FAILED = 10, "the hunter won the target, but the simulator refused the kill", "R5.7"
+    GRANTED = 11, "caught", "R5.4"
+    WAITING_FOR_PARTNER = 12, "too few hunters of its team asked for the target in this step", "R5.10"
+
+    clause: str
+    """Clause of the rulebook that the verdict follows from."""
+    reason: str
+    """Verdict in words, with its clause."""
+
+    def __new__(cls, number: int, meaning: str = "", clause: str = "") -> "Verdict":
+        """Return the verdict of a row of the table above; `Verdict(number)` finds it again."""
+        verdict = int.__new__(cls, number)
+        verdict._value_, verdict.clause, verdict.reason = number, clause, f"{meaning} ({clause})"
+        return verdict
 
 
 NO_REQUEST: Final = 0
 """Entry in a table of verdicts for a hunter without a request."""
-
-_MEANINGS: Final = {
-    Verdict.MATCH_OVER: ("the match is over", "R5.2"),
-    Verdict.MALFORMED: ("the requested name cannot be a target's name", "R5.2"),
-    Verdict.HUNTER_INACTIVE: ("the hunter is withdrawn", "R1.6"),
-    Verdict.DUPLICATE: ("the hunter has already requested in this step, and the first request stands", "R5.2"),
-    Verdict.UNKNOWN_TARGET: ("no such target was ever spawned", "R5.2"),
-    Verdict.ALREADY_CAUGHT: ("the target was caught earlier", "R5.8"),
-    Verdict.SERVICE_DOWN: ("the kill service is down in this step", "R5.7"),
-    Verdict.OUT_OF_REACH: ("the target is out of reach", "R5.3"),
-    Verdict.LOST_CONTEST: ("another hunter in reach of the same target was preferred", "R5.6"),
-    Verdict.KILL_FAILED: ("the hunter won the target, but the simulator refused the kill", "R5.7"),
-    Verdict.GRANTED: ("caught", "R5.4"),
-    Verdict.WAITING_FOR_PARTNER: ("too few hunters of its team asked for the target in this step", "R5.10"),
-}
-CLAUSES: Final[Mapping[Verdict, str]] = {verdict: clause for verdict, (_, clause) in _MEANINGS.items()}
-"""Clause of the rulebook for each verdict."""
-REASONS: Final[Mapping[Verdict, str]] = {
-    verdict: f"{words} ({clause})" for verdict, (words, clause) in _MEANINGS.items()
-}
-"""Each verdict in words, with its clause."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,7 +80,7 @@ class Ruling:
     @property
     def reason(self) -> str:
         """Verdict in words, with its clause."""
-        return REASONS[self.verdict]
+        return self.verdict.reason
 
     def __str__(self) -> str:
         """Return one line for people: hunter, target, verdict and evidence."""

@@ -8,7 +8,7 @@ from catch_arena.explanation.facts import Claim, Contest, HunterSummary, PreySum
 from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import with_seat
 from catch_arena.replay.named_requests import describe_name
-from catch_arena.verdicts import REASONS, Verdict
+from catch_arena.verdicts import Verdict
 
 _DECISIONS: Final = {
     "R5.4": "The smaller distance decides",
@@ -88,7 +88,7 @@ def request_phrase(
     place = "" if nearest is None else f" from {metres(nearest)}"
     place += "" if nearest == farthest else f" to {metres(farthest)}"
     limit = f"; within reach is less than {metres(reach_um)}" if verdict is Verdict.OUT_OF_REACH else ""
-    return f"{asked_for}{place}: {verdict.name}, {REASONS[verdict]}{limit}"
+    return f"{asked_for}{place}: {verdict.name}, {verdict.reason}{limit}"
 
 
 def prey_sentence(summary: PreySummary) -> str:

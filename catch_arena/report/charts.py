@@ -12,7 +12,7 @@ from catch_arena.report.data import ReportData, SideData
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import sums_by
 from catch_arena.tournament.statistics.standings import Standing
-from catch_arena.verdicts import REASONS, Verdict
+from catch_arena.verdicts import Verdict
 
 _TICKS: Final = 5
 _BINS: Final = 40
@@ -141,7 +141,7 @@ def seat_tables(data: ReportData) -> list[dict[str, Any]]:
 def refusals(data: ReportData) -> dict[str, str]:
     """Return the verdicts that refused a request in any match, in the arbiter's order, each with its meaning."""
     met = {name for line in data.standings for name in line.refusals}
-    return {verdict.name: REASONS[verdict] for verdict in Verdict if verdict.name in met}
+    return {verdict.name: verdict.reason for verdict in Verdict if verdict.name in met}
 
 
 def move_times(data: ReportData) -> dict[str, tuple[float, float]]:

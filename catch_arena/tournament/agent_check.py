@@ -13,7 +13,7 @@ from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.parties import Parties
-from catch_arena.verdicts import REASONS, Verdict
+from catch_arena.verdicts import Verdict
 
 _SEED: Final = 0
 """Seed of all matches."""
@@ -118,7 +118,7 @@ def _findings(
     for verdict in (Verdict.MALFORMED, Verdict.OUT_OF_REACH):
         count = sum(tally.get(verdict.name, 0) for tally in result.verdicts)
         if count:
-            yield Finding("warning", f"{name}: {count} requests were {verdict.name}: {REASONS[verdict]}")
+            yield Finding("warning", f"{name}: {count} requests were {verdict.name}: {verdict.reason}")
 
 
 def _shown_to(forfeit: Forfeit, config: ArenaConfig) -> str:

@@ -11,7 +11,7 @@ from operator import attrgetter
 from typing import Annotated, Any, Final, NamedTuple, get_args, get_origin, get_type_hints
 
 from catch_arena import messages
-from catch_arena.verdicts import CLAUSES, Ruling
+from catch_arena.verdicts import Ruling
 
 INTERFACES: Final = "my_robot_interfaces"
 """Name of the exercise's package, with Turtle, TurtleArray and CatchTurtle."""
@@ -172,7 +172,7 @@ class RulingMessage(NamedTuple):
             success=ruling.success,
             distance=-1.0 if ruling.distance_um is None else ruling.distance_um / 1e6,
             winner="" if ruling.winner is None else hunters[ruling.winner],
-            clause=CLAUSES[ruling.verdict],
+            clause=ruling.verdict.clause,
             reason=ruling.reason,
         )
 
