@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Final, Literal, get_args, get_origin
+from typing import Annotated, Any, Final, Literal, get_args
 
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.plain import as_python, plain_setting, real_number, whole_number
@@ -237,12 +237,12 @@ class ArenaConfig:
     def _check_bounds(self) -> None:
         """Check each number whose type has bounds."""
         for setting in dataclasses.fields(self):
-            if get_origin(setting.type) is Annotated:
-                kind, *bounds = get_args(setting.type)
-                alone = setting.name, getattr(self, setting.name)
+            kind: Any = setting.type
+            if bounds := getattr(kind, "__metadata__", ()):
+                kinds, alone = get_args(kind.__origin__), (setting.name, getattr(self, setting.name))
                 require = require_integer if isinstance(bounds[1], int) else _require_number
-                for name, value in self._by_seat(setting.name) if tuple[float, ...] in get_args(kind) else [alone]:
-                    if value is not None or type(None) not in get_args(kind):
+                for name, value in self._by_seat(setting.name) if tuple[float, ...] in kinds else [alone]:
+                    if value is not None or type(None) not in kinds:
                         require(name, value, *bounds)
 
     def _by_seat(self, name: str) -> Iterator[tuple[str, Any]]:

@@ -25,6 +25,8 @@ def real_number(value: object) -> int | float | None:
 
 def as_python(value: Any) -> Any:
     """Return a number, an array or a tensor as a Python number or nested lists; other values unchanged."""
+    if value is None or type(value) in (int, float, bool, str):  # most settings, and most actions
+        return value
     try:
         if callable(getattr(value, "tolist", None)):
             value = value.tolist()
