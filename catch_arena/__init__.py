@@ -40,38 +40,25 @@ if TYPE_CHECKING:
     from catch_arena.verdicts import Verdict as Verdict
     from catch_arena.world import World as World
 
-_HOMES = {
-    "ArenaConfig": "config",
-    "ArenaService": "service",
-    "BatchView": "batch_policy",
-    "CatchArenaEnv": "envs.parallel",
-    "CatchArenaError": "errors",
-    "Engine": "engine",
-    "FaultRates": "config",
-    "Gains": "config",
-    "Limits": "policy",
-    "Policy": "policy",
-    "PreyBatchView": "batch_policy",
-    "PreyLimits": "policy",
-    "PreyPolicy": "policy",
-    "PreyView": "policy",
-    "Replay": "player",  # it is defined in replay/; importing the player adds its view in notebooks
-    "RewardWeights": "config",
-    "Ruling": "verdicts",
-    "SCENARIOS": "scenarios",
-    "VectorArena": "envs.vector",
-    "Verdict": "verdicts",
-    "View": "policy",
-    "World": "world",
-    "arbitrate": "arbitration",
-    "columns": "layout",
-    "env": "envs.aec",
-    "explain": "explanation",
-    "explain_step": "explanation",
-    "parallel_env": "envs.parallel",
-    "scenario": "scenarios",
-    "what_if": "explanation",
+_NAMES = {
+    "arbitration": ("arbitrate",),
+    "batch_policy": ("BatchView", "PreyBatchView"),
+    "config": ("ArenaConfig", "FaultRates", "Gains", "RewardWeights"),
+    "engine": ("Engine",),
+    "envs.aec": ("env",),
+    "envs.parallel": ("CatchArenaEnv", "parallel_env"),
+    "envs.vector": ("VectorArena",),
+    "errors": ("CatchArenaError",),
+    "explanation": ("explain", "explain_step", "what_if"),
+    "layout": ("columns",),
+    "player": ("Replay",),  # it is defined in replay/; importing the player adds its view in notebooks
+    "policy": ("Limits", "Policy", "PreyLimits", "PreyPolicy", "PreyView", "View"),
+    "scenarios": ("SCENARIOS", "scenario"),
+    "service": ("ArenaService",),
+    "verdicts": ("Ruling", "Verdict"),
+    "world": ("World",),
 }
+_HOMES = {name: module for module, names in _NAMES.items() for name in names}
 
 __all__ = sorted(_HOMES)  # noqa: PLE0605 - a list of strings, though not a literal one
 
