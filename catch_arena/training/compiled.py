@@ -150,7 +150,7 @@ _MATH.__dict__.update(vars(math), hypot=_hypot, atan2=atan2)  # the C library's 
 @cache
 def _compiled(decide: Decide, write: Any) -> Any:
     """Compile `_act_all` for one function. Its name has a digest of all that it is made of: the cache sees one file."""
-    made_of = hashlib.blake2b(digest_size=8)
+    made_of = hashlib.blake2b(repr(_NUMBERS).encode(), digest_size=8)
     space = globals() | {"_decide": _part(decide, made_of), "_write": write}
     name = f"{decide.__module__}.{decide.__name__}-{made_of.hexdigest()}"
     entry_point = FunctionType(_act_all.__code__, space, name)

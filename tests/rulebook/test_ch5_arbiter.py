@@ -122,6 +122,15 @@ def test_r5_2_the_verdicts_are_numbered_in_the_order_of_the_table() -> None:
 
 
 @pytest.mark.rule("R5.2")
+@pytest.mark.parametrize("verdict", Verdict, ids=lambda verdict: verdict.name)
+def test_r5_2_each_verdict_cites_a_clause_of_the_book(verdict: Verdict) -> None:
+    """In its words too, which commands and pages print."""
+    assert re.search(rf"^#+ {re.escape(verdict.clause)} ", BOOK, flags=re.MULTILINE)
+    assert verdict.reason.endswith(f" ({verdict.clause})")
+    assert Verdict(verdict.value) is verdict
+
+
+@pytest.mark.rule("R5.2")
 @pytest.mark.parametrize("control", ["target", "full"])
 def test_r5_2_a_rank_without_a_target_is_malformed_and_the_hunter_holds(arena: ArenaFactory, control: str) -> None:
     """Zero velocity, no active target, no integrals."""

@@ -114,6 +114,8 @@ def the_arbiter() -> None:
     rulings = arbitrate(hunters=[(1.0, 1.0)], targets={"a": (1.0, 1.1)}, requests=[(0, "a"), (0, None)])
     assert_type(rulings, list[Ruling])
     assert_type(rulings[0].verdict, Verdict)
+    assert_type(rulings[0].verdict.clause, str)
+    assert_type(rulings[0].verdict.reason, str)
     assert_type(rulings[0].distance_um, int | None)
     assert_type(rulings[0].winner, int | None)
     assert_type(rulings[0].success, bool)
