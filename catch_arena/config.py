@@ -32,30 +32,32 @@ MAX_PREY: Final = 32
 MAX_HEADING_RAD: Final = 1000.0
 """Largest absolute heading that a setting or a call may give [rad]; A.3's sine is tested up to it."""
 
+# a type with the least and the greatest value of its numbers; the least is None for numbers above 0
+_Gain = Annotated[float, 0.0, 1e6]
+_Weight = Annotated[float, -1e6, 1e6]
+_Probability = Annotated[float, 0.0, 1.0]
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class _Part:
-    """Base of a group of settings, all of them numbers within the same bounds."""
+    """Base of a group of settings, all of them numbers."""
 
     def __post_init__(self) -> None:
         _make_plain(self)
-        group, (least, most) = next((name, bounds) for name, (kind, bounds) in _PARTS.items() if isinstance(self, kind))
-        for setting in dataclasses.fields(self):
-            value = getattr(self, setting.name)
-            _require_number(f"{group}.{setting.name}", value, least, most)
+        _check_bounds(self, next(f"{name}." for name, kind in _PARTS.items() if isinstance(self, kind)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Gains(_Part):
     """R4.3: gains of the hosted controllers. The defaults are the standard gains; the capstone has no integral part."""
 
-    kp_v: float = 2.0
+    kp_v: _Gain = 2.0
     """Linear speed per metre of distance [1/s]."""
-    ki_v: float = 1.0
+    ki_v: _Gain = 1.0
     """Linear speed per metre-second of accumulated distance [1/s^2]."""
-    kp_w: float = 6.0
+    kp_w: _Gain = 6.0
     """Turn rate per radian of bearing error [1/s]."""
-    ki_w: float = 0.0
+    ki_w: _Gain = 0.0
     """Turn rate per radian-second of accumulated bearing error [1/s^2]."""
 
 
@@ -63,19 +65,19 @@ class Gains(_Part):
 class RewardWeights(_Part):
     """R6.2: the weight of each named part of the reward."""
 
-    catch: float = 1.0
+    catch: _Weight = 1.0
     """Reward per catch by the hunter itself."""
-    rival_catch: float = 0.0
+    rival_catch: _Weight = 0.0
     """Reward per catch by a hunter of another team; without teams, -1 / (hunters - 1) makes the game zero-sum."""
-    lost_contest: float = 0.0
+    lost_contest: _Weight = 0.0
     """Reward per request that another hunter won."""
-    rejected_request: float = 0.0
+    rejected_request: _Weight = 0.0
     """Reward per request refused for any other reason."""
-    progress: float = 0.0
+    progress: _Weight = 0.0
     """Reward per metre gained towards the target that was nearest after the commit."""
-    time: float = 0.0
+    time: _Weight = 0.0
     """Reward per second of the match."""
-    mate_catch: float = 0.0
+    mate_catch: _Weight = 0.0
     """Reward per catch by a team-mate (R11.2)."""
 
 
@@ -83,11 +85,11 @@ class RewardWeights(_Part):
 class PreyRewardWeights(_Part):
     """R12.5: the weight of each named part of prey's reward."""
 
-    caught: float = -1.0
+    caught: _Weight = -1.0
     """Reward per catch of this prey."""
-    survived: float = 0.0
+    survived: _Weight = 0.0
     """Reward per second that this prey is in play."""
-    gained: float = 0.0
+    gained: _Weight = 0.0
     """Reward per metre that this prey gains on the nearest hunter."""
 
 
@@ -95,13 +97,13 @@ class PreyRewardWeights(_Part):
 class FaultRates(_Part):
     """R8.3: failure probabilities of the services, in [0, 1]."""
 
-    kill_down: float = 0.0
+    kill_down: _Probability = 0.0
     """Probability that the kill service is down for a whole step."""
-    kill_refused: float = 0.0
+    kill_refused: _Probability = 0.0
     """Probability that the simulator refuses to kill a given target in a given step."""
-    spawn_down: float = 0.0
+    spawn_down: _Probability = 0.0
     """Probability that the spawn service is down when the timer fires."""
-    spawn_refused: float = 0.0
+    spawn_refused: _Probability = 0.0
     """Probability that the simulator refuses a given spawn number."""
 
 
@@ -136,7 +138,7 @@ class ArenaConfig:
     """R5.10: number of hunters of one team that a catch needs; more than 1 requires teams."""
     teams: tuple[tuple[int, ...], ...] | None = None
     """R11.1: seats of each team, each seat once; None makes each hunter a team of its own."""
-    team_share: Annotated[float, 0.0, 1.0] = 0.0
+    team_share: _Probability = 0.0
     """R11.2: share of a hunter's reward that is the mean of its team's rewards, 0 to 1; no effect without teams."""
     spawning: bool = True
     """R3.1: true if the spawn timer is on."""
@@ -182,7 +184,7 @@ class ArenaConfig:
     """R1.5: time limit; the episode is truncated at the first step boundary at or past it."""
     max_cycles: Annotated[int | None, 1, 10**9] = None
     """R1.5: length of the episode in steps, PettingZoo's word for it; it replaces time_limit_s unless it is None."""
-    dropout_rate: Annotated[float, 0.0, 1.0] = 0.0
+    dropout_rate: _Probability = 0.0
     """R1.7: probability that a hunter drops out in a step."""
     dropouts: Dropouts = "leave"
     """R1.7: a hunter that drops out leaves PettingZoo's agents, or stays among them and does nothing."""
@@ -197,8 +199,8 @@ class ArenaConfig:
 
     def __post_init__(self) -> None:
         _make_plain(self)
-        self._check_bounds()
-        for name, value in self._by_seat("control"):
+        _check_bounds(self)
+        for name, value in _by_seat(self, "control"):
             require_choice(name, value, get_args(Control))
         for name, choices in (("policy", ArbitrationPolicy), ("dropouts", Dropouts), ("target_motion", TargetMotion)):
             require_choice(name, getattr(self, name), get_args(choices))
@@ -217,7 +219,7 @@ class ArenaConfig:
         prefix = self.name_prefix
         if not isinstance(prefix, str) or len(prefix) > 200 or not prefix.isprintable():
             raise ConfigError(f"name_prefix must be at most 200 printable characters, got {prefix!r}")
-        for name, (kind, _) in _PARTS.items():
+        for name, kind in _PARTS.items():
             if not isinstance(getattr(self, name), kind):
                 raise ConfigError(f"{name} must be {kind.__name__}(...) or a mapping, got {getattr(self, name)!r}")
         if self.teams is not None:
@@ -233,27 +235,6 @@ class ArenaConfig:
                         f"{name} must be {whole} under the policy 'capstone', got {getattr(self, name)!r}"
                     )
         self._check_poses()
-
-    def _check_bounds(self) -> None:
-        """Check each number whose type has bounds."""
-        for setting in dataclasses.fields(self):
-            kind: Any = setting.type
-            if bounds := getattr(kind, "__metadata__", ()):
-                kinds, alone = get_args(kind.__origin__), (setting.name, getattr(self, setting.name))
-                require = require_integer if isinstance(bounds[1], int) else _require_number
-                for name, value in self._by_seat(setting.name) if tuple[float, ...] in kinds else [alone]:
-                    if value is not None or type(None) not in kinds:
-                        require(name, value, *bounds)
-
-    def _by_seat(self, name: str) -> Iterator[tuple[str, Any]]:
-        """Yield the value of a setting for all hunters, or of each seat, with its name in errors."""
-        value = getattr(self, name)
-        if not isinstance(value, tuple):
-            yield name, value
-            return
-        if len(value) != self.hunters:
-            raise ConfigError(f"{name} must be one value, or one for each of {self.hunters} hunters, got {value!r}")
-        yield from ((f"{name}[{seat}]", one) for seat, one in enumerate(value))
 
     def _check_poses(self) -> None:
         if self.hunter_poses is None:
@@ -397,7 +378,7 @@ class ArenaConfig:
             if name not in known:
                 raise ConfigError(f"unknown setting {name!r}: {suggest(name, known)}")
             old = getattr(self, name)
-            if isinstance(value, Mapping) and dataclasses.is_dataclass(old) and not isinstance(old, type):
+            if isinstance(value, Mapping) and name in _PARTS:
                 parts = [part.name for part in dataclasses.fields(old)]
                 for part in value:
                     if part not in parts:
@@ -434,13 +415,8 @@ class ArenaConfig:
         return hashlib.blake2b(text.encode(), digest_size=8).hexdigest()
 
 
-_PARTS: Final[dict[str, tuple[type[_Part], tuple[float, float]]]] = {
-    "gains": (Gains, (0.0, 1e6)),
-    "rewards": (RewardWeights, (-1e6, 1e6)),
-    "prey_rewards": (PreyRewardWeights, (-1e6, 1e6)),
-    "faults": (FaultRates, (0.0, 1.0)),
-}
-"""Groups of settings: the class of each, and the bounds of its numbers."""
+_PARTS: Final = {"gains": Gains, "rewards": RewardWeights, "prey_rewards": PreyRewardWeights, "faults": FaultRates}
+"""Class of each group of settings."""
 
 
 def _make_plain(settings: object) -> None:
@@ -449,6 +425,29 @@ def _make_plain(settings: object) -> None:
         value = plain_setting(getattr(settings, setting.name))
         if not isinstance(value, tuple) or "tuple" in str(setting.type):  # else the error shows the original value
             object.__setattr__(settings, setting.name, value)
+
+
+def _check_bounds(settings: Any, group: str = "") -> None:
+    """Check each number whose type has bounds; `group` comes before its name in errors."""
+    for setting in dataclasses.fields(settings):
+        kind: Any = setting.type
+        if bounds := getattr(kind, "__metadata__", ()):
+            kinds, alone = get_args(kind.__origin__), (group + setting.name, getattr(settings, setting.name))
+            require = require_integer if isinstance(bounds[1], int) else _require_number
+            for name, value in _by_seat(settings, setting.name) if tuple[float, ...] in kinds else [alone]:
+                if value is not None or type(None) not in kinds:
+                    require(name, value, *bounds)
+
+
+def _by_seat(config: ArenaConfig, name: str) -> Iterator[tuple[str, Any]]:
+    """Yield the value of a setting for all hunters, or of each seat, with its name in errors."""
+    value = getattr(config, name)
+    if not isinstance(value, tuple):
+        yield name, value
+        return
+    if len(value) != config.hunters:
+        raise ConfigError(f"{name} must be one value, or one for each of {config.hunters} hunters, got {value!r}")
+    yield from ((f"{name}[{seat}]", one) for seat, one in enumerate(value))
 
 
 def _micrometres(metres: float) -> int:
