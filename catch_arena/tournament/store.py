@@ -13,7 +13,7 @@ from contextlib import closing, contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Final, TypeVar
+from typing import TYPE_CHECKING, Any, Final
 
 import msgspec
 
@@ -46,11 +46,6 @@ CREATE TABLE match (
 """
 """Tables; `played` is a `PlayedMatch` as JSON."""
 _BY_PARTY: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "forfeits", "thinking")
-
-_INVALID: Final = (ValueError, TypeError, RecursionError)
-"""Errors of reading a value that no command has written; msgspec's are ValueErrors."""
-
-T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,9 +114,8 @@ class Store:
             OtherTournamentError: if the folder's store is of another tournament.
         """
         path = folder / STORE
-        if not path.exists():
-            with suppress(OSError):  # SQLite reports the error below
-                path.touch(0o600)  # the file has the seeds of future matches
+        with suppress(OSError):  # SQLite reports the error below
+            path.touch(0o600)  # the file has the seeds of future matches
         store = cls(path, writable=True)
         with closing(store), only_one_plays_in(folder):
             store._begin(tournament, resume=resume)
@@ -161,29 +155,25 @@ class Store:
     @property
     def tournament(self) -> Tournament:
         """Tournament whose matches the store holds."""
-        with self._store_errors():
-            facts = self._db.execute("SELECT name, value FROM fact").fetchall()
-        values: dict[str, Any] = {}
-        where = "table fact"
+        values = {
+            name: self._decode(f"table fact, row {name}", text)
+            for name, text in self._rows("SELECT name, value FROM fact")
+        }
+        if (ruleset := values.get("ruleset", RULESET)) != RULESET:
+            why = one_line(f"was played under ruleset {ruleset}, and this is {RULESET}")
+            raise StoreError(f"{self.path}: {why}: continue, report or export it with that version")
+        where = "table fact, row config"
         try:
-            for name, text in facts:
-                where = f"table fact, row {name}"
-                values[name] = msgspec.json.decode(text)
-            if (ruleset := values.get("ruleset", RULESET)) != RULESET:
-                why = one_line(f"was played under ruleset {ruleset}, and this is {RULESET}")
-                raise StoreError(f"{self.path}: {why}: continue, report or export it with that version")
-            where = "table fact, row config"
-            values["config"] = ArenaConfig.from_dict(values.get("config"))  # type: ignore[arg-type]  # integers stay integers
+            config = ArenaConfig.from_dict(values.get("config"))  # type: ignore[arg-type]  # integers stay integers
             where = "table fact"
-            return msgspec.convert(values, Tournament)
-        except _INVALID as error:
+            return msgspec.convert(values | {"config": config}, Tournament)
+        except ValueError as error:  # also msgspec's
             raise self._damaged(f"{where}: {error}") from None
 
     @property
     def ended(self) -> bool:
         """True if the plan has been played to its end; its secret must not be shown earlier."""
-        with self._store_errors():
-            return 0 < self._planned() <= self.count_played()
+        return 0 < self._planned() <= self.count_played()
 
     def set_planned(self, matches: int) -> None:
         """Write the number of matches of the plan; the largest possible number if it depends on their results."""
@@ -215,12 +205,12 @@ class Store:
         """Yield the played matches, as `played` does, each with the package versions that played it."""
         tournament = self.tournament
         parties, entrants = len(Parties.of(tournament.config)), len(tournament.entrants)
+        rows = self._rows("SELECT id, value FROM versions")
+        known = {key: self._decode(f"table versions, row {key}", text, dict[str, str]) for key, text in rows}
         with self._store_errors():
-            rows = self._db.execute("SELECT id, value FROM versions")
-            known = {key: self._decode(dict[str, str], f"table versions, row {key}", text) for key, text in rows}
             for name, by, text in self._db.execute("SELECT id, versions, played FROM match ORDER BY id"):
                 where = f"table match, row {name}"
-                played = self._decode(PlayedMatch, where, text)
+                played = self._decode(where, text, PlayedMatch)
                 fault = _misfit(played, parties, entrants) or ("" if by in known else f"versions {by} are missing")
                 if fault:
                     raise self._damaged(f"{where}: {fault}")
@@ -228,12 +218,12 @@ class Store:
 
     def count_played(self) -> int:
         """Return the number of played matches."""
-        return self._count("match")
+        ((count,),) = self._rows("SELECT count(*) FROM match")
+        return int(count)
 
     def count_planned(self) -> int:
         """Return the number of planned matches; that of played ones if no number is written, as in a league."""
-        with self._store_errors():
-            return self._planned() or self.count_played()
+        return self._planned() or self.count_played()
 
     def close(self) -> None:
         """Close the file."""
@@ -246,7 +236,7 @@ class Store:
             self._db.execute("PRAGMA synchronous = NORMAL")  # a power cut may lose the last matches, but never the file
             self._db.execute("PRAGMA foreign_keys = ON")
         with self.transaction() as db:
-            if not begun and not self._has_tables():
+            if not begun:
                 for statement in _TABLES.split(";"):
                     db.execute(statement)
                 db.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
@@ -271,11 +261,9 @@ class Store:
         Raises:
             StoreError: if the file is no store, is damaged, or has another format.
         """
-        with self._store_errors():
-            (application_id,) = self._db.execute("PRAGMA application_id").fetchone()
-            (form,) = self._db.execute("PRAGMA user_version").fetchone()
-            empty = not self._count("sqlite_schema")
-        if empty:
+        query = "SELECT * FROM pragma_application_id, pragma_user_version, (SELECT count(*) FROM sqlite_schema)"
+        ((application_id, form, tables),) = self._rows(query)
+        if not tables:
             return False
         if application_id != _APPLICATION_ID:
             raise StoreError(f"{self.path}: is no store of a tournament")
@@ -285,20 +273,19 @@ class Store:
                 f"{self.path}: is of {age} version of Catch Arena (format {form}, and this one reads {_FORMAT}): "
                 "continue, report or export it with that version"
             )
-        with self._store_errors():
-            (found,) = self._db.execute("PRAGMA quick_check(1)").fetchone()
+        ((found,),) = self._rows("PRAGMA quick_check(1)")
         if found != "ok":
             raise self._damaged(found)
         return True
 
     def _planned(self) -> int:
         """Return the number of planned matches; 0 if none is written."""
-        rows = self._db.execute("SELECT value FROM fact WHERE name = 'planned'")
-        return next((self._decode(int, "table fact, row planned", text) for (text,) in rows), 0)
+        rows = self._rows("SELECT value FROM fact WHERE name = 'planned'")
+        return next((int(self._decode("table fact, row planned", text, int)) for (text,) in rows), 0)
 
-    def _count(self, table: str) -> int:
+    def _rows(self, query: str) -> list[tuple[Any, ...]]:
         with self._store_errors():
-            return int(self._db.execute(f"SELECT count(*) FROM {table}").fetchone()[0])  # noqa: S608 - ours
+            return self._db.execute(query).fetchall()
 
     @contextmanager
     def transaction(self) -> Iterator[sqlite3.Connection]:
@@ -316,10 +303,11 @@ class Store:
         except sqlite3.Error as error:
             raise StoreError(f"{self.path}: cannot be used: {one_line(str(error))}") from None
 
-    def _decode(self, kind: type[T], where: str, text: str) -> T:
+    def _decode(self, where: str, text: str, kind: Any = Any) -> Any:
+        """Return a stored value; `where` names its table and row."""
         try:
             return msgspec.json.decode(text, type=kind)
-        except _INVALID as error:
+        except ValueError as error:  # msgspec's
             raise self._damaged(f"{where}: {error}") from None
 
     def _damaged(self, value: object) -> DamagedStoreError:
