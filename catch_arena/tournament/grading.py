@@ -24,6 +24,8 @@ from catch_arena.tournament.parties import Parties
 
 _OFTEN: Final = 0.1
 """Share of an agent's requests, in [0, 1], that a verdict must exceed for its hint."""
+_LONGEST_NAME: Final = 180
+"""Largest part of a test's name in a replay's title, which has at most 200 printable characters."""
 _HINTS: Final[Mapping[str, str]] = {
     "OUT_OF_REACH": "R5.3: a catch needs less than reach_m between the centres, as they stood when the agent saw them: "
     "ask when target.distance < view.limits.reach_m",
@@ -173,7 +175,8 @@ def grade_agent(
     for match in matches:
         party = match.seating.index(0)
         seating = [*others[:party], student, *others[party:]]
-        replay, title = None if keep is None else BytesIO(), f"{test.name}, match {match.block + 1}"
+        replay = None if keep is None else BytesIO()
+        title = f"{printable(test.name)[:_LONGEST_NAME]}, match {match.block + 1}"
         result = play_entrants(
             config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds, title=title, record=replay
         )

@@ -317,6 +317,16 @@ def test_a_link_that_leads_nowhere_costs_only_itself(tmp_path, monkeypatch):
     assert "is a link that leads to no file" in marks["b"]["reason"]
 
 
+def test_the_name_of_a_test_may_be_any_text(tmp_path, monkeypatch):
+    """A replay's title, which has it, has at most 200 printable characters."""
+    write_class(tmp_path, {"a.py": GOOD})
+    monkeypatch.chdir(tmp_path)
+    Path("spec.toml").write_text(SPEC.replace('"alone"', f'"{"long " * 50}\\u001b"'))
+    result = call("class", "--spec", "spec.toml", "--jobs", "1")
+    assert result.exit_code == 0, result.output
+    assert "a: 3 of 3 points" in result.stdout
+
+
 def test_two_submissions_with_one_name_are_refused(tmp_path):
     write_class(tmp_path, {"ann.py": GOOD, "Ann/agent.py": GOOD})
     with pytest.raises(ConfigError, match=r"Ann and ann\.py have one name"):
