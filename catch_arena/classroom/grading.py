@@ -84,8 +84,7 @@ def grade_submission(
     found: list[tuple[TestGrade, GradedMatch]] = []
     try:
         for test, others in zip(spec.tests, opponents, strict=True):
-            played: list[GradedMatch] = []
-            grade = grade_agent(spec, test, student, others, worker.sandbox, keep=played.append)
+            grade, played = grade_agent(spec, test, student, others, worker.sandbox)
             found.append((grade, worst_match(played, Parties.of(test.config).hunting)))
     finally:
         worker.close()  # no process of a student waits for the next one

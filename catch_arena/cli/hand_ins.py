@@ -186,8 +186,9 @@ def _grade_agent(
         print_level(quotas, [student.spec])
         for test, opponents in zip(exercise.tests, rivals, strict=True):
             with progress_bar(test.name, test.matches) as show:
-                grades.append(grade_agent(exercise, test, student, opponents, sandbox, show))
-            echo(str(grades[-1]))
+                grade, _ = grade_agent(exercise, test, student, opponents, sandbox, show)
+            grades.append(grade)
+            echo(str(grade))
     return student.name, student.digest, grades
 
 

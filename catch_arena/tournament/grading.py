@@ -146,9 +146,8 @@ def grade_agent(
     opponents: Sequence[Entrant],
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
-    keep: Callable[[GradedMatch], object] | None = None,
-) -> TestGrade:
-    """Play the matches of a test, with the student's agent in each seat in turn, and return its grade.
+) -> tuple[TestGrade, list[GradedMatch]]:
+    """Play the matches of a test, with the student's agent in each seat in turn, and return its grade and the matches.
 
     After two timeouts, or MAX_FORFEITS forfeits in a row, the rest is not played.
 
@@ -159,7 +158,6 @@ def grade_agent(
         opponents: agents for the other seats, from the first again if there are more seats.
         sandbox: runs agents that are not trusted; None if all are trusted.
         progress: called with (played, total) matches after each match.
-        keep: called with each match after it; None to make no replays.
 
     Raises:
         MatchFailedError: if a match could not be held.
@@ -169,20 +167,17 @@ def grade_agent(
     others = list(islice(cycle(opponents), len(parties) - 1)) if opponents else []
     if len(others) > 1:
         others = [replace(one, name=f"{one.name} {number}") for number, one in enumerate(others, 1)]
-    played: list[tuple[int, MatchResult]] = []
+    played: list[GradedMatch] = []
     forfeited = timeouts = 0
     stopped = ""
     for match in matches:
         party = match.seating.index(0)
         seating = [*others[:party], student, *others[party:]]
-        replay = None if keep is None else BytesIO()
-        title = f"{printable(test.name)[:_LONGEST_NAME]}, match {match.block + 1}"
+        replay, title = BytesIO(), f"{printable(test.name)[:_LONGEST_NAME]}, match {match.block + 1}"
         result = play_entrants(
             config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds, title=title, record=replay
         )
-        played.append((party, result))
-        if keep is not None and replay is not None:
-            keep(GradedMatch(party, result, replay.getvalue()))
+        played.append(GradedMatch(party, result, replay.getvalue()))
         progress(len(played), len(matches))
         forfeit = result.forfeits[party]
         forfeited = 0 if forfeit is None else forfeited + 1
@@ -193,16 +188,16 @@ def grade_agent(
             left = len(matches) - len(played)
             stopped = f"FORFEIT_OUT: it {why}; {left} more were not played" if left else ""
             break
-    return _grade(test, played, parties, stopped)
+    return _grade(test, played, parties, stopped), played
 
 
-def _grade(test: GradingTest, played: Sequence[tuple[int, MatchResult]], parties: Parties, stopped: str) -> TestGrade:
+def _grade(test: GradingTest, played: Sequence[GradedMatch], parties: Parties, stopped: str) -> TestGrade:
     verdicts: Counter[str] = Counter()
     forfeits: dict[str, Forfeit] = {}  # the first of each code
     scores: dict[Side, list[int]] = {"hunter": [], "prey": []}
     wins: list[float] = []
     log = ""
-    for party, result in played:
+    for party, result, _ in played:
         verdicts.update(result.verdicts[party])
         side = parties.side_of(party)
         scores[side].append(result.scores[party])
