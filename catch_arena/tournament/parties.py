@@ -7,12 +7,10 @@ and then the prey.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import permutations
-from typing import Final, TypeVar
+from typing import TypeVar
 
 from catch_arena.config import ArenaConfig
 from catch_arena.policy import Side
-
-SIDES: Final[tuple[Side, ...]] = ("hunter", "prey")
 
 T = TypeVar("T")
 
@@ -38,7 +36,7 @@ class Parties:
     @property
     def sides(self) -> tuple[Side, ...]:
         """Sides of the arena."""
-        return SIDES if self.hunting < len(self) else SIDES[:1]
+        return ("hunter", "prey") if self.hunting < len(self) else ("hunter",)
 
     def on(self, side: Side) -> slice:
         """Return the parties of a side, as a slice."""

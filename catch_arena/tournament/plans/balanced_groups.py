@@ -5,7 +5,7 @@ cut into groups of neighbours. Then players of different groups are swapped as l
 meetings of the pairs more equal; meetings in earlier sweeps count.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from math import ceil, gcd
 from typing import Final
 
@@ -48,16 +48,12 @@ def sweeps(players: int, seats: int, draw: Callable[[int, int, int], int]) -> It
         for circle in range(circles):
             lots = [draw(sweep, circle, player) for player in range(players)]
             order = sorted(range(players), key=lots.__getitem__)
-            tried.append(_equalised(_neighbours(order, seats, slots), met))
+            # groups of neighbours; the circle is repeated until all slots are filled
+            tried.append(_equalised(np.resize(order, slots).reshape(-1, seats), met))
         groups = min(tried, key=lambda groups: float(((met + _meetings(groups, players)) ** 2).sum()))
         met += _meetings(groups, players)
         yield [tuple(sorted(map(int, group))) for group in groups]
         sweep += 1
-
-
-def _neighbours(circle: Sequence[int], seats: int, slots: int) -> NDArray[np.int64]:
-    """Return the circle in groups of neighbours, (groups, seats); it is repeated until `slots` places are filled."""
-    return np.resize(np.array(circle, dtype=np.int64), slots).reshape(-1, seats)
 
 
 def _meetings(groups: NDArray[np.int64], players: int) -> NDArray[np.float64]:

@@ -21,19 +21,26 @@ _TRIMMED: Final = 0.25
 _TAIL: Final = 0.025
 
 
-def interquartile_mean(scores: Floats) -> float:
-    """Return the mean of the middle half of all runs of all scenarios: a quarter is cut off at either end."""
-    return float(_interquartile_means(scores[None])[0])
+def interquartile_mean(scores: Floats) -> Floats:
+    """Return the mean of the middle half of all runs of all scenarios: a quarter is cut off at either end.
+
+    Args:
+        scores: (..., runs, scenarios).
+    """
+    flat = np.sort(scores.reshape(*scores.shape[:-2], -1))
+    cut = int(_TRIMMED * flat.shape[-1])
+    means: Floats = flat[..., cut : flat.shape[-1] - cut].mean(axis=-1)
+    return means
 
 
 def interquartile_estimate(scores: Floats) -> Estimate:
     """Return the interquartile mean with its interval: percentiles of a bootstrap, stratified by scenario."""
-    return _estimate(_interquartile_means(scores[None])[0], _interquartile_means(_resampled(scores)), len(scores))
+    return _estimate(interquartile_mean(scores), interquartile_mean(_resampled(scores)), len(scores))
 
 
 def interquartile_gap(first: Floats, second: Floats) -> Estimate:
     """Return the interquartile mean of `first` less that of `second`; the scenarios may differ."""
-    drawn = _interquartile_means(_resampled(first)) - _interquartile_means(_resampled(second, 1))
+    drawn = interquartile_mean(_resampled(first)) - interquartile_mean(_resampled(second, 1))
     return _estimate(interquartile_mean(first) - interquartile_mean(second), drawn, min(len(first), len(second)))
 
 
@@ -61,14 +68,6 @@ def performance_profile(scores: Floats, levels: Floats) -> list[Estimate]:
     ]
 
 
-def _interquartile_means(tables: Floats) -> Floats:
-    """Return the interquartile means, (N,), of tables (N, runs, scenarios)."""
-    flat = np.sort(tables.reshape(len(tables), -1), axis=1)
-    cut = int(_TRIMMED * flat.shape[1])
-    means: Floats = flat[:, cut : flat.shape[1] - cut].mean(axis=1)
-    return means
-
-
 def _drawn_runs(shape: tuple[int, ...], stream: int) -> Ints:
     """Return the indices of the drawn runs, (RESAMPLES, runs, scenarios), independent in each scenario."""
     bits = np.random.PCG64(stream)  # its raw stream is fixed by NumPy's policy
@@ -87,7 +86,7 @@ def _weights(shape: tuple[int, ...], stream: int) -> Floats:
     return found
 
 
-def _estimate(mean: float | np.floating, drawn: NDArray[np.floating], runs: int) -> Estimate:
+def _estimate(mean: Floats | float, drawn: NDArray[np.floating], runs: int) -> Estimate:
     if runs < FEWEST_RUNS:
         return Estimate(float(mean), math.nan, math.nan)
     low, high = np.quantile(drawn, (_TAIL, 1.0 - _TAIL))

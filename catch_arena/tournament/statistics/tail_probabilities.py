@@ -66,8 +66,7 @@ def student_tail(freedom: Floats, t: Floats) -> Floats:
 
 def student_critical(freedom: Floats, tail: float) -> Floats:
     """Return the value that Student's t exceeds with probability `tail`, in (0, 0.5)."""
-    known, positions = np.unique(freedom, return_inverse=True)
-    critical: Floats = np.array([_critical(float(one), tail) for one in known])[positions].reshape(np.shape(freedom))
+    critical: Floats = np.vectorize(_critical, otypes=[np.float64])(freedom, tail)
     return critical
 
 
