@@ -3,6 +3,7 @@
 import math
 import shutil
 from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import Future
 from contextlib import AbstractContextManager, ExitStack, suppress
 from dataclasses import dataclass, field, replace
 from datetime import datetime
@@ -23,7 +24,7 @@ from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness
 from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.block_queue import ForfeitStreaks
+from catch_arena.tournament.execution.block_queue import ForfeitStreaks, WorkQueue
 from catch_arena.tournament.execution.executors import Executor, Worker, local_executor
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, log_file, play_and_store
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -224,37 +225,45 @@ def _add_versions(
     worker = Worker(rules.config, (), quotas=rules.quotas)
     entrants, versions = [*store.tournament.entrants], []
     with local_executor(worker, min(jobs, len(checked_now))) as executor:
-        checks = [
-            executor.run(check_version, worker, agents[one.key], rules.scenario, one.fault) for one in checked_now
-        ]
-        for entry, future in zip(checked_now, checks, strict=True):
-            try:
-                checked = executor.result(future)
-            except MatchFailedError as error:
-                report(f"{entry.key}: could not be checked: {error}; the next run tries again")
-                continue
-            number = 1 + sum(one.entry == entry.key for one in known)
-            index = None if checked.fault else len(entrants)
-            versions.append(Version(entry.key, number, entry.digest, now, index, checked.fault or "", checked.log))
-            if index is not None:
-                entrants.append(replace(checked, name=entrant_name(entry, number, entrants)))
-            if entry.kind != "shipped":
-                result = f"does not pass the check: {checked.fault}" if index is None else "enters"
-                report(f"{entry.key}: version {number} {result}")
+
+        def begin(entry: Entry) -> Future[Entrant]:
+            return executor.run(check_version, worker, agents[entry.key], rules.scenario)
+
+        work = WorkQueue(executor, begin)
+        results: dict[Entry, Entrant | MatchFailedError] = {}
+        for entry in checked_now:
+            if entry.fault:
+                results[entry] = Entrant(entry.name, entry.name, "target", "", entry.fault)
+            else:
+                work.begin(entry)
+        while work:
+            results.update(work.ended())
+    for entry in checked_now:
+        checked = results[entry]
+        if isinstance(checked, MatchFailedError):
+            report(f"{entry.key}: could not be checked: {checked}; the next run tries again")
+            continue
+        number = 1 + sum(one.entry == entry.key for one in known)
+        index = None if checked.fault else len(entrants)
+        versions.append(Version(entry.key, number, entry.digest, now, index, checked.fault or "", checked.log))
+        if index is not None:
+            entrants.append(replace(checked, name=entrant_name(entry, number, entrants)))
+        if entry.kind != "shipped":
+            result = f"does not pass the check: {checked.fault}" if index is None else "enters"
+            report(f"{entry.key}: version {number} {result}")
     store.add_versions(versions, entrants)
     for pair in similar_pairs([one.submission for one in entries if one.kind == "person" and one.submission]):
         if {pair.first, pair.second} & new:
             report(f"look at these two: {pair.first} and {pair.second}: {pair}")
 
 
-def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Entrant:
+def check_version(worker: Worker, agent: str, scenario: str) -> Entrant:
     """Inspect a new version, let it play against itself if it does not come with the package, and return its entrant.
 
     Args:
         worker: has the sandbox of this process.
         agent: the agent, as on the command line.
         scenario: name of the arena.
-        fault: reason for which its files cannot be used; empty if they can be.
 
     Returns:
         The entrant; it has a fault if it does not pass.
@@ -262,17 +271,15 @@ def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Entr
     Raises:
         MatchFailedError: if it could not be checked, for a reason on our side.
     """
-    entrant = Entrant(agent, agent, "target", "", fault or None)
     try:
-        if not fault:
-            (entrant,) = enter([agent], inspector(worker.sandbox))
-            if not is_shipped(entrant.spec):
-                for finding in check_fitness(entrant, {scenario: worker.config}, worker.sandbox):
-                    if finding.level == "error":
-                        fault, _, log = finding.text.partition("\n")
-                        return replace(entrant, fault=_without_copies(fault, entrant.spec), log=log)
+        (entrant,) = enter([agent], inspector(worker.sandbox))
+        if not is_shipped(entrant.spec):
+            for finding in check_fitness(entrant, {scenario: worker.config}, worker.sandbox):
+                if finding.level == "error":
+                    fault, _, log = finding.text.partition("\n")
+                    return replace(entrant, fault=_without_copies(fault, entrant.spec), log=log)
     except AgentError as error:
-        return replace(entrant, fault=_without_copies(str(error), agent))
+        return Entrant(agent, agent, "target", "", _without_copies(str(error), agent))
     except OSError as error:
         raise MatchFailedError(str(error)) from None
     finally:
