@@ -64,11 +64,11 @@ def suite(
     from json import dumps
 
     from catch_arena.cli.tables import with_interval
+    from catch_arena.suite.aggregates import FEWEST_RUNS
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
     from catch_arena.suite.measures import facts_of, measure, over_training_runs, references
     from catch_arena.suite.tournaments import cannot_play, play, tournaments
     from catch_arena.tournament.execution.executors import usable_cores
-    from catch_arena.tournament.statistics.aggregates import FEWEST_RUNS
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     chosen = suite_called(name)

@@ -8,4 +8,5 @@ It fixes everything that two papers must have in common to compare their numbers
 - tournaments: the tournament of each scenario, set up and played as by the command `tournament`, with a plan that
   gives the measured agent its fixed opponents.
 - measures: the figures of an agent, by scenario and over all scenarios, from the stores of its tournaments.
+- aggregates: one figure over many scenarios.
 """

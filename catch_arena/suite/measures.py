@@ -10,17 +10,17 @@ from typing import Any, Final
 
 import numpy as np
 
-from catch_arena.suite.contents import Suite, SuiteScenario
-from catch_arena.tournament.entrants import Entrant
-from catch_arena.tournament.execution.runner import Setup
-from catch_arena.tournament.match import PlayedMatch
-from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.statistics.aggregates import (
+from catch_arena.suite.aggregates import (
     interquartile_estimate,
     interquartile_gap,
     performance_profile,
     probability_of_improvement,
 )
+from catch_arena.suite.contents import Suite, SuiteScenario
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.execution.runner import Setup
+from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.intervals import Estimate, ratios, rounded
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, SideResults
 from catch_arena.tournament.statistics.ratings import rate

@@ -3,5 +3,5 @@
 - outcomes: the matches of hunters and of prey separately, as arrays.
 - standings: the table. ratings: the strength of each entrant. head_to_head: each entrant against each other.
 - separation: pairs with a significant difference. sprt: a test of two agents that ends as early as possible.
-- intervals: confidence intervals, with tail_probabilities. aggregates: one figure over many scenarios.
+- intervals: confidence intervals, with tail_probabilities.
 """

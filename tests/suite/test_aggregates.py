@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from catch_arena.tournament.statistics.aggregates import (
+from catch_arena.suite.aggregates import (
     FEWEST_RUNS,
     interquartile_estimate,
     interquartile_gap,
@@ -16,7 +16,7 @@ from catch_arena.tournament.statistics.aggregates import (
     probability_of_improvement,
 )
 
-RLIABLE = json.loads((Path(__file__).parents[2] / "data" / "rliable.json").read_text())
+RLIABLE = json.loads((Path(__file__).parents[1] / "data" / "rliable.json").read_text())
 X, Y = np.array(RLIABLE["x"]), np.array(RLIABLE["y"])
 NEAR = 0.006
 """Two bootstraps draw differently."""
