@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.options import Agents, Arena, ArenaSeed, Trust, enter_agents
+from catch_arena.cli.options import Agents, Arena, ArenaSeed, Trust, enter_agents, require_enough
 from catch_arena.cli.outputs import REPLAY, Force, output_option, reserve_file, reserve_free_file
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.config import ArenaConfig
@@ -44,7 +44,6 @@ def match(
     Give one agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
     from catch_arena.tournament.match_loop import in_parties, play_entrants
-    from catch_arena.tournament.plans.schedule import require_enough
 
     config, quotas = arena.config(), trust.quotas()
     parties = Parties.of(config)

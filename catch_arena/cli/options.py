@@ -12,12 +12,14 @@ import typer
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
+from catch_arena.scenarios import SCENARIOS
 from catch_arena.scenarios import scenario as scenario_of
 from catch_arena.tournament.agent_spec import AgentSpec, is_shipped
 from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, enter
 from catch_arena.tournament.isolation.namespaces import available_level, level_line
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import inspector
 from catch_arena.tournament.secret import Secret
 
@@ -218,6 +220,37 @@ def quotas_of(limits: list[str] | None) -> Quotas:
     quotas = Quotas.of(**dict(_pairs("--limit", limits)))
     available_level(quotas.isolation)
     return quotas
+
+
+def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournament: bool = False) -> None:
+    """Check that there are enough entrants to fill the seats.
+
+    Args:
+        entrants: number of entrants.
+        config: the arena's settings.
+        scenario: name of the arena, for the error.
+        tournament: True to require enough for a block, which with prey may have more players than a match.
+
+    Raises:
+        ConfigError: if the entrants cannot fill the seats; the message gives advice.
+    """
+
+    def needed(config: ArenaConfig) -> int:
+        parties = Parties.of(config)
+        return parties.group if tournament else len(parties)
+
+    least = needed(config)
+    if entrants >= least:
+        return
+    task = f"{Parties.of(config).task} of {scenario}"
+    if least > len(Parties.of(config)):
+        task += " in a tournament (a side with one place needs one agent more, to compare with)"
+    fitting = [name for name, other in SCENARIOS.items() if 1 < needed(other) <= entrants]
+    advice = f"; or try --scenario {fitting[0]}" if fitting else ""
+    raise ConfigError(
+        f"number of agents must be at least {least} to {task}, got {entrants}: "
+        f"name more of them (the same one may be named twice){advice}"
+    )
 
 
 def print_seed(secret: Secret) -> None:

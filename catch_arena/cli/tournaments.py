@@ -24,6 +24,7 @@ from catch_arena.cli.options import (
     enter_agents,
     print_missing_prey,
     print_seed,
+    require_enough,
 )
 from catch_arena.cli.outputs import PAGE, Force, output_option, reserve_file
 from catch_arena.cli.terminal import echo, noting_kept_results, own_console, progress_bar
@@ -104,7 +105,7 @@ def tournament(
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.executors import Worker
     from catch_arena.tournament.execution.runner import LOGS, Setup
-    from catch_arena.tournament.plans.schedule import BUDGET, MOST_IN_A_ROUND, UntilSeparated, plan_of, require_enough
+    from catch_arena.tournament.plans.schedule import BUDGET, MOST_IN_A_ROUND, UntilSeparated, plan_of
 
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")

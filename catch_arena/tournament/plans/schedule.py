@@ -9,9 +9,8 @@ from itertools import combinations, islice
 from math import ceil, comb
 from typing import Final
 
-from catch_arena.config import ArenaConfig, require_choice
+from catch_arena.config import require_choice
 from catch_arena.errors import ConfigError
-from catch_arena.scenarios import SCENARIOS
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
@@ -117,37 +116,6 @@ def plan_of(
 def round_robin(entrants: int, parties: Parties, rounds: int, seed: Secret | int) -> Plan:
     """Return a plan with one block for each group of entrants in each round."""
     return plan_of("round-robin", entrants, parties, rounds, seed, _MOST_MATCHES)
-
-
-def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournament: bool = False) -> None:
-    """Check that there are enough entrants to fill the seats.
-
-    Args:
-        entrants: number of entrants.
-        config: the arena's settings.
-        scenario: name of the arena, for the error.
-        tournament: True to require enough for a block, which with prey may have more players than a match.
-
-    Raises:
-        ConfigError: if the entrants cannot fill the seats; the message gives advice.
-    """
-
-    def needed(config: ArenaConfig) -> int:
-        parties = Parties.of(config)
-        return parties.group if tournament else len(parties)
-
-    least = needed(config)
-    if entrants >= least:
-        return
-    task = f"{Parties.of(config).task} of {scenario}"
-    if least > len(Parties.of(config)):
-        task += " in a tournament (a side with one place needs one agent more, to compare with)"
-    fitting = [name for name, other in SCENARIOS.items() if 1 < needed(other) <= entrants]
-    advice = f"; or try --scenario {fitting[0]}" if fitting else ""
-    raise ConfigError(
-        f"number of agents must be at least {least} to {task}, got {entrants}: "
-        f"name more of them (the same one may be named twice){advice}"
-    )
 
 
 def block_of(players: Sequence[int], secret: Secret, number: int, name: str, parties: Parties) -> Block:
