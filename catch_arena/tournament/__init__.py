@@ -13,7 +13,7 @@ Files, from one match up:
 - secret: the tournament's secret, and all seeds that follow from it.
 - store: played matches.
 - export: other files of a tournament.
-- agent_check, grading with grading_spec: one agent. comparison: two.
+- agent_check, grading with grading_spec and hints.toml: one agent. comparison: two.
 
 Nothing here draws, prints or reads options: the command line does (cli/).
 """

@@ -4,6 +4,7 @@ import json
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from importlib.resources import files
 from io import BytesIO
 from itertools import cycle, islice
 from typing import Any, Final, NamedTuple
@@ -11,6 +12,7 @@ from xml.etree import ElementTree as ET
 
 from catch_arena.config import RULESET, ArenaConfig
 from catch_arena.errors import ConfigError
+from catch_arena.files import tomllib
 from catch_arena.policy import PreyView, Side, View, player_limits
 from catch_arena.text import last_lines, printable, printable_lines
 from catch_arena.tournament.agent_spec import AgentSpec
@@ -26,36 +28,6 @@ _OFTEN: Final = 0.1
 """Share of an agent's requests, in [0, 1], that a verdict must exceed for its hint."""
 _LONGEST_NAME: Final = 180
 """Largest part of a test's name in a replay's title, which has at most 200 printable characters."""
-_HINTS: Final[Mapping[str, str]] = {
-    "OUT_OF_REACH": "R5.3: a catch needs less than reach_m between the centres, as they stood when the agent saw them: "
-    "ask when target.distance < view.limits.reach_m",
-    "GRANTED": "R6.1: only granted catches count: it got what it asked for, and asked too seldom: look for the targets "
-    "that it reaches soonest, turning included, and before any rival",
-    "LOST_CONTEST": "R5.4: of several hunters in reach the nearest is granted the target: look at view.rivals too",
-    "WAITING_FOR_PARTNER": "R5.10: a catch needs view.limits.hunters_per_catch hunters of one team in the same step: "
-    "wait at a target that a team-mate (rival.mate) reaches soon too",
-    "MALFORMED": "R5.2: it named a rank that has no target: view.mask and len(view.targets) say which have",
-    "SERVICE_DOWN": "R5.7: the kill service fails at times in this arena: ask again in the next step",
-    "KILL_FAILED": "R5.7: the simulator refuses a kill at times in this arena: ask again in the next step",
-    "no request": "R4.1, R4.4: it never asked for a target: drive closer than view.limits.reach_m to one",
-    "no targets": "R7.2: view.targets was empty in that step: act must return an action without a target too",
-    "no rivals": "R7.2: view.rivals was empty in that step: act must return an action without a rival too",
-    "no hunters": "R12.4: view.hunters was empty in that step, as it is while prey is out: act must return an action",
-    "no others": "R12.4: view.others was empty in that step: act must return an action without other prey too",
-    "FORFEIT_CRASH": "`catch-arena docs agents`: an exception in act ends its match: catch-arena check-agent shows its "
-    "last lines, and the view that it failed on",
-    "FORFEIT_TIMEOUT": "`catch-arena docs isolation`, Limits: an action has step_ms, and all actions of a match "
-    "together have bank_s more: catch-arena check-agent shows how long its steps take",
-    "FORFEIT_ILLEGAL": "R4.1, R4.4: `catch-arena docs agents` has the actions of each control; catch-arena check-agent "
-    "shows the view that it failed on",
-    "FORFEIT_INIT": "`catch-arena docs agents`: a class Agent with reset(self, seed) and act(self, view): catch-arena "
-    "check-agent shows where it fails",
-    "late start": "`catch-arena docs isolation`, Limits: its import and reset together have init_s: load what is large "
-    "once, and search in act",
-    "not installed": "`catch-arena docs agents`, What it may import: Python's own modules, NumPy, and what else is "
-    "installed where it plays; it needs no ROS",
-}
-"""Pages and clauses to read, by the cause of a failure."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -133,7 +105,7 @@ def unplayed_grade(test: GradingTest, fault: str, *, hinted: bool = True) -> Tes
         points=0.0,
         possible=test.points,
         failures=(str(forfeit) if hinted else fault,),
-        hints=tuple(_HINTS[cause] for cause in _causes_of(forfeit, test.config)) if hinted else (),
+        hints=_hints(_causes_of(forfeit, test.config)) if hinted else (),
         figures={},
         measured="not played",
     )
@@ -226,7 +198,7 @@ def _grade(test: GradingTest, played: Sequence[GradedMatch], parties: Parties, s
         points=0.0 if failures else test.points,
         possible=test.points,
         failures=tuple(failures),
-        hints=_hints(forfeits.values(), verdicts, test.config) if failures else (),
+        hints=_hints(_causes(forfeits.values(), verdicts, test.config)) if failures else (),
         figures=figures,
         measured=f"{counted}, score {figures['mean_score']:.2f}{won}, refused {figures['mean_refused']:.2f}{caught}",
         log=log,
@@ -247,16 +219,22 @@ def _missed_bounds(test: GradingTest, figures: Mapping[str, Any]) -> Iterator[st
             yield f"{name} must be at most {most:g}, got {value:.4g}"
 
 
-def _hints(forfeits: Iterable[Forfeit], verdicts: Counter[str], config: ArenaConfig) -> tuple[str, ...]:
-    """Return the hints after a failure: for each forfeit, and for frequent verdicts on the agent's requests."""
+def _hints(causes: Iterable[str]) -> tuple[str, ...]:
+    """Return the hints for these causes; some verdicts have none."""
+    hints = tomllib.loads((files("catch_arena.tournament") / "hints.toml").read_text(encoding="utf-8"))
+    return tuple(hints[cause] for cause in causes if cause in hints)
+
+
+def _causes(forfeits: Iterable[Forfeit], verdicts: Counter[str], config: ArenaConfig) -> list[str]:
+    """Return the causes of a failure: those of each forfeit, and frequent verdicts on the agent's requests."""
     often = [name for name, times in verdicts.items() if times > _OFTEN * verdicts.total()]
     causes = [cause for one in forfeits for cause in _causes_of(one, config)]
     causes += [name for name in often if name != "GRANTED"]
-    return tuple(_HINTS[cause] for cause in causes or often or ["no request"] if cause in _HINTS)
+    return causes or often or ["no request"]
 
 
 def _causes_of(forfeit: Forfeit, config: ArenaConfig) -> list[str]:
-    """Return the keys of the hints for a forfeit."""
+    """Return the causes of a forfeit, as hints.toml names them."""
     if NOT_INSTALLED in forfeit.reason or ModuleNotFoundError.__name__ in forfeit.reason:
         return ["not installed"]
     if forfeit.late and forfeit.code == "FORFEIT_INIT":
@@ -267,7 +245,7 @@ def _causes_of(forfeit: Forfeit, config: ArenaConfig) -> list[str]:
 
 
 def _empty_lists(view: View | PreyView) -> list[str]:
-    """Return the keys of the hints for lists of a view that were empty, although the arena has something for them."""
+    """Return causes: lists of a view that were empty, although the arena has something for them."""
     if isinstance(view, PreyView):
         empty = {"hunters": not view.hunters, "others": not view.others and view.limits.prey_seen > 0}
     else:

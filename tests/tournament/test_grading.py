@@ -2,6 +2,7 @@
 
 import json
 import re
+from importlib.resources import files
 from pathlib import Path
 from xml.etree import ElementTree as ET
 
@@ -10,7 +11,6 @@ from tournament.agents import source, write_agent
 
 from catch_arena.cli import terminal
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.grading import _HINTS
 from catch_arena.tournament.grading_spec import read_spec
 
 BAD = Path(__file__).parent / "isolation" / "bad"
@@ -300,7 +300,8 @@ def test_an_opponent_that_cannot_play_is_the_specs_fault(grade, tmp_path):
 
 def test_what_hints_point_at_is_there():
     """Pages, and headings in them."""
-    pointers = re.findall(r"`catch-arena docs (\w+)`(?:, ([^:]+):)?", " ".join(_HINTS.values()))
+    hints = (files("catch_arena.tournament") / "hints.toml").read_text()
+    pointers = re.findall(r"`catch-arena docs (\w+)`(?:, ([^:]+):)?", hints)
     assert ("isolation", "Limits") in pointers
     for page, heading in pointers:
         assert f"# {heading}" in next(DOCS.rglob(f"{page}.md")).read_text()
