@@ -9,7 +9,7 @@ import os
 import platform
 import sqlite3
 from collections.abc import Iterable, Iterator, Mapping
-from contextlib import closing, contextmanager, suppress
+from contextlib import ExitStack, closing, contextmanager, suppress
 from dataclasses import dataclass, field, fields, replace
 from importlib.metadata import version
 from pathlib import Path
@@ -322,24 +322,17 @@ def only_one_plays_in(folder: Path) -> Iterator[None]:
     Raises:
         StoreError: if another command holds it.
     """
-    try:
-        import fcntl
+    with ExitStack() as stack:
+        with suppress(ImportError, OSError):  # no such locks, or a folder that cannot be read: writing to it raises
+            import fcntl
 
-        descriptor = os.open(folder, os.O_RDONLY)
-    except (ImportError, OSError):  # a folder that cannot be read: writing to it raises an error with the reason
+            descriptor = os.open(folder, os.O_RDONLY)
+            stack.callback(os.close, descriptor)
+            try:
+                fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            except BlockingIOError:
+                raise StoreError(f"{folder}: another command is playing in this folder") from None
         yield
-        return
-    try:
-        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        os.close(descriptor)
-        raise StoreError(f"{folder}: another command is playing in this folder") from None
-    except OSError:  # this file system has no such locks
-        pass
-    try:
-        yield
-    finally:
-        os.close(descriptor)
 
 
 def versions() -> dict[str, str]:

@@ -110,7 +110,7 @@ def standings(results: SideResults) -> list[Standing]:
             win_share=win_share[index],
             mean_rank=float(ranks[index] / totals[index]),
             contests_lost=lost[index] / float(totals[index]),
-            contest_win_share=_share(won[index], lost[index]),
+            contest_win_share=won[index] / contests if (contests := won[index] + lost[index]) else math.nan,
             lost_to_mates=to_mates[index] / float(totals[index]),
             refusals={
                 verdict.name: verdicts[index][verdict.name] / float(totals[index])
@@ -121,10 +121,6 @@ def standings(results: SideResults) -> list[Standing]:
         )
         for index, belongs in zip(order, groups(ratings, order), strict=True)
     ]
-
-
-def _share(won: int, lost: int) -> float:
-    return won / (won + lost) if won + lost else math.nan
 
 
 def _interquartile_means(outcomes: Outcomes) -> list[Estimate]:
