@@ -84,15 +84,10 @@ def rate(outcomes: Outcomes) -> Ratings:
     size = outcomes.entrants
 
     pulls, tied = _pulls(pairs, strengths, log_tie)
-    gradients = np.zeros((outcomes.blocks, size + 1))
-    gradients[:, :size] = pulls
-    gradients[:, size] = np.bincount(pairs.block, (pairs.result == 0) - tied, outcomes.blocks)
+    gradients = np.column_stack((pulls, np.bincount(pairs.block, (pairs.result == 0) - tied, outcomes.blocks)))
     win = _logistic(strengths)
-    imagined = np.zeros((2 * size, size + 1))
-    imagined[:size, :size] = np.diag(
-        1.0 - win
-    )  # for the errors, added games are whole games: see docs/explanation/ratings.md
-    imagined[size:, :size] = np.diag(-win)
+    # for the errors, added games are whole games: see docs/explanation/ratings.md
+    imagined = np.pad(np.concatenate((np.diag(1.0 - win), np.diag(-win))), ((0, 0), (0, 1)))
 
     played = blocks_played > 0
     moves: Floats = ELO * np.linalg.solve(information, np.concatenate((gradients, imagined)).T)[:size].T
@@ -168,10 +163,8 @@ def _pulls(pairs: Pairs, strengths: Floats, log_tie: float) -> tuple[Floats, Flo
     """Return the pull of each block on each strength, (blocks, entrants), and the probability of a tie of each pair."""
     above, below, tied = _chances(strengths[pairs.first] - strengths[pairs.second], log_tie)
     pull = (pairs.result - (above - below)) / 2.0
-    by_first, by_second = (
-        sums_by(pairs.blocks, pairs.entrants, pairs.block, side, pull) for side in (pairs.first, pairs.second)
-    )
-    return by_first - by_second, tied
+    rows = pairs.blocks, pairs.entrants, pairs.block
+    return sums_by(*rows, pairs.first, pull) - sums_by(*rows, pairs.second, pull), tied
 
 
 def _chances(difference: Floats, log_tie: float) -> tuple[Floats, Floats, Floats]:
