@@ -84,13 +84,11 @@ class LeagueStore(Store):
 
     def versions(self) -> list[Version]:
         """Return all versions, by entry and number."""
-        with self.transaction() as db:
-            return [Version(*row) for row in db.execute("SELECT * FROM league_version ORDER BY entry, number")]
+        return [Version(*row) for row in self._rows("SELECT * FROM league_version ORDER BY entry, number")]
 
     def ratings(self) -> list[RatingThen]:
         """Return the ratings of all entrants after each run that is kept, in the order of time."""
-        with self.transaction() as db:
-            return [RatingThen(*row) for row in db.execute("SELECT * FROM league_rating ORDER BY time, entrant")]
+        return [RatingThen(*row) for row in self._rows("SELECT * FROM league_rating ORDER BY time, entrant")]
 
     def add_versions(self, versions: Iterable[Version], entrants: Sequence[Entrant]) -> None:
         """Write new versions, and all entrants with theirs at the end: all or none."""
@@ -106,17 +104,15 @@ class LeagueStore(Store):
 
     def time_after(self, now: datetime) -> str:
         """Return the time of a run as text; a second after the last run's if the clock was set back."""
-        with self.transaction() as db:
-            (last,) = db.execute("SELECT max(time) FROM league_rating").fetchone()
+        ((last,),) = self._rows("SELECT max(time) FROM league_rating")
         if last is not None:
             now = max(now, datetime.fromisoformat(last) + timedelta(seconds=1))
         return now.isoformat(timespec="seconds")
 
     def next_block(self) -> tuple[int, int]:
         """Return the number of rounds so far, and the number of the next block, from 0."""
-        with self.transaction() as db:
-            row = db.execute("SELECT id, block FROM match ORDER BY id DESC LIMIT 1").fetchone()
-        return (int(row[0][1:].partition("-")[0]), row[1] + 1) if row else (0, 0)
+        last = self._rows("SELECT id, block FROM match ORDER BY id DESC LIMIT 1")
+        return next(((int(match[1:].partition("-")[0]), block + 1) for match, block in last), (0, 0))
 
     def remove_old(self, most: int) -> None:
         """Remove the oldest blocks, so that at most `most` played matches are left."""

@@ -171,12 +171,12 @@ def update_league(
         entries = [*find_entries(rules.secret_opponents, "secret", report), *entries]
     entries = with_own_names([*shipped_entries(parties.group), *entries])
     with _opened(folder, rules, secret) as store:
-        _add_versions(store, rules, entries, jobs, store.time_after(now), report)
+        time = store.time_after(now)
+        _add_versions(store, rules, entries, jobs, time, report)
         versions = {key: [*found] for key, found in groupby(store.versions(), lambda version: version.entry)}
         entrants = store.tournament.entrants
         league = League(folder, rules, entries, versions, entrants, [*store.played()], store.ratings())
         _play(store, league, executor_of, on_progress)
-        time = store.time_after(now)
         ratings = _ratings(league, time)
         if ratings != [replace(one, time=time) for one in league.ratings if one.time == league.ratings[-1].time]:
             store.add_ratings(ratings)  # also if a run before was killed after its matches
@@ -203,7 +203,7 @@ def _add_versions(
     rules: Rules,
     entries: Sequence[Entry],
     jobs: int,
-    now: str,
+    time: str,
     report: Callable[[str], None],
 ) -> None:
     """Check new and changed entries, and write their versions."""
@@ -245,7 +245,7 @@ def _add_versions(
             continue
         number = 1 + sum(one.entry == entry.key for one in known)
         index = None if checked.fault else len(entrants)
-        versions.append(Version(entry.key, number, entry.digest, now, index, checked.fault or "", checked.log))
+        versions.append(Version(entry.key, number, entry.digest, time, index, checked.fault or "", checked.log))
         if index is not None:
             entrants.append(replace(checked, name=entrant_name(entry, number, entrants)))
         if entry.kind != "shipped":
