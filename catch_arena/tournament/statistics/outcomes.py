@@ -44,24 +44,18 @@ def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side = "hunte
         parties: the parties of the arena.
         side: the side.
     """
-    in_order = sorted(played, key=lambda one: one.match)
+    in_order = [(one.match, one.result) for one in sorted(played, key=lambda one: one.match)]
     cut = parties.on(side)
     matches = [
-        SideMatch(
-            one.match.block,
-            one.match.seating[cut],
-            one.result.scores[cut],
-            one.result.ranks[cut],
-            one.result.forfeits[cut],
-        )
-        for one in in_order
+        SideMatch(match.block, match.seating[cut], result.scores[cut], result.ranks[cut], result.forfeits[cut])
+        for match, result in in_order
     ]
     if len(parties.sides) == 1 or len(parties.seats[cut]) > 1:
         return matches
     other = parties.on("prey" if side == "hunter" else "hunter")
     alike: dict[tuple[int, tuple[int, ...]], list[SideMatch]] = {}
-    for one, match in zip(in_order, matches, strict=True):
-        alike.setdefault((match.block, one.match.seating[other]), []).append(match)
+    for (match, _), one in zip(in_order, matches, strict=True):
+        alike.setdefault((match.block, match.seating[other]), []).append(one)
     return [_join(found, side) for found in alike.values()]
 
 
