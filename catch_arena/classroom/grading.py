@@ -1,11 +1,10 @@
 """Grading of all submissions of a class, each kept in a file as soon as it is graded: the same command continues."""
 
 import hashlib
-from collections import deque
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Future
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Final
@@ -20,7 +19,7 @@ from catch_arena.files import prepare_folder, write_whole
 from catch_arena.replay.fileformat import decode_replay
 from catch_arena.text import last_lines
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.block_queue import WorkQueue
+from catch_arena.tournament.execution.block_queue import do_in_order
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.grading import GradedMatch, TestGrade, grade_agent, unplayed_grade
 from catch_arena.tournament.grading_spec import GradingSpec
@@ -117,9 +116,9 @@ def grade_class(
     folder: Path,
     spec_key: str,
 ) -> Iterator[tuple[Graded, bool]]:
-    """Yield the grades of all submissions as they come, and whether they were kept by an earlier run.
+    """Yield the grades of all submissions, and whether they were kept by an earlier run; such grades come first.
 
-    Each is kept in a file before it is yielded. `WorkQueue` grades a submission again that fails on our side.
+    Each is kept in a file as soon as it is made. `do_in_order` grades a submission again that fails on our side.
 
     Args:
         submissions: the submissions.
@@ -133,7 +132,7 @@ def grade_class(
     """
     kept = prepare_folder(folder / KEPT)
     keys = {one.name: f"{spec_key}-{one.digest()}" for one in submissions}
-    waiting = deque[Submission]()
+    waiting: list[Submission] = []
     for submission in submissions:
         before: Graded | None = None
         with suppress(OSError, ValueError):  # there is none, or one of another version
@@ -142,14 +141,19 @@ def grade_class(
             yield before, True
         else:
             waiting.append(submission)
-    work = WorkQueue(executor, partial(executor.run, grade))
-    while waiting or work:
-        while waiting and work.has_room:
-            work.begin(waiting.popleft())
-        for submission, graded in work.ended():
-            if isinstance(graded, MatchFailedError):
-                yield Graded(name=submission.name, digest=submission.digest(), grades=(), fault=str(graded)), False
-                continue
-            keyed = msgspec.structs.replace(graded, key=keys[submission.name])
-            write_whole(kept / f"{submission.name}.json", msgspec.json.encode(keyed))
-            yield keyed, False
+
+    def begin(submission: Submission) -> Future[Graded]:
+        return executor.run(_grade_and_keep, grade, submission, kept, keys[submission.name])
+
+    for submission, graded in do_in_order(waiting, executor, begin):
+        if isinstance(graded, MatchFailedError):
+            yield Graded(name=submission.name, digest=submission.digest(), grades=(), fault=str(graded)), False
+        else:
+            yield graded, False
+
+
+def _grade_and_keep(grade: Callable[[Submission], Graded], submission: Submission, kept: Path, key: str) -> Graded:
+    """Grade a submission, write its grades to a file, and return them: an interrupt loses no grade."""
+    graded = msgspec.structs.replace(grade(submission), key=key)
+    write_whole(kept / f"{submission.name}.json", msgspec.json.encode(graded))
+    return graded

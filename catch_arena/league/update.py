@@ -24,7 +24,7 @@ from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness
 from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.block_queue import ForfeitStreaks, WorkQueue
+from catch_arena.tournament.execution.block_queue import ForfeitStreaks, do_in_order
 from catch_arena.tournament.execution.executors import Executor, Worker, local_executor
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, log_file, play_and_store
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -227,43 +227,34 @@ def _add_versions(
     with local_executor(worker, min(jobs, len(checked_now))) as executor:
 
         def begin(entry: Entry) -> Future[Entrant]:
-            return executor.run(check_version, worker, agents[entry.key], rules.scenario)
+            return executor.run(check_version, worker, agents[entry.key], rules.scenario, entry.fault)
 
-        work = WorkQueue(executor, begin)
-        results: dict[Entry, Entrant | MatchFailedError] = {}
-        for entry in checked_now:
-            if entry.fault:
-                results[entry] = Entrant(entry.name, entry.name, "target", "", entry.fault)
-            else:
-                work.begin(entry)
-        while work:
-            results.update(work.ended())
-    for entry in checked_now:
-        checked = results[entry]
-        if isinstance(checked, MatchFailedError):
-            report(f"{entry.key}: could not be checked: {checked}; the next run tries again")
-            continue
-        number = 1 + sum(one.entry == entry.key for one in known)
-        index = None if checked.fault else len(entrants)
-        versions.append(Version(entry.key, number, entry.digest, time, index, checked.fault or "", checked.log))
-        if index is not None:
-            entrants.append(replace(checked, name=entrant_name(entry, number, entrants)))
-        if entry.kind != "shipped":
-            result = f"does not pass the check: {checked.fault}" if index is None else "enters"
-            report(f"{entry.key}: version {number} {result}")
+        for entry, checked in do_in_order(checked_now, executor, begin):
+            if isinstance(checked, MatchFailedError):
+                report(f"{entry.key}: could not be checked: {checked}; the next run tries again")
+                continue
+            number = 1 + sum(one.entry == entry.key for one in known)
+            index = None if checked.fault else len(entrants)
+            versions.append(Version(entry.key, number, entry.digest, time, index, checked.fault or "", checked.log))
+            if index is not None:
+                entrants.append(replace(checked, name=entrant_name(entry, number, entrants)))
+            if entry.kind != "shipped":
+                result = f"does not pass the check: {checked.fault}" if index is None else "enters"
+                report(f"{entry.key}: version {number} {result}")
     store.add_versions(versions, entrants)
     for pair in similar_pairs([one.submission for one in entries if one.kind == "person" and one.submission]):
         if {pair.first, pair.second} & new:
             report(f"look at these two: {pair.first} and {pair.second}: {pair}")
 
 
-def check_version(worker: Worker, agent: str, scenario: str) -> Entrant:
+def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Entrant:
     """Inspect a new version, let it play against itself if it does not come with the package, and return its entrant.
 
     Args:
         worker: has the sandbox of this process.
         agent: the agent, as on the command line.
         scenario: name of the arena.
+        fault: reason for which its files cannot be used; empty if they can be.
 
     Returns:
         The entrant; it has a fault if it does not pass.
@@ -271,6 +262,8 @@ def check_version(worker: Worker, agent: str, scenario: str) -> Entrant:
     Raises:
         MatchFailedError: if it could not be checked, for a reason on our side.
     """
+    if fault:
+        return Entrant(agent, agent, "target", "", fault)
     try:
         (entrant,) = enter([agent], inspector(worker.sandbox))
         if not is_shipped(entrant.spec):

@@ -2,7 +2,7 @@
 
 import random
 from collections import Counter
-from concurrent.futures import Future
+from concurrent.futures import ALL_COMPLETED, FIRST_COMPLETED, Future
 from contextlib import contextmanager, suppress
 from types import SimpleNamespace
 
@@ -17,7 +17,7 @@ from catch_arena import scenario
 from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution import block_queue
-from catch_arena.tournament.execution.block_queue import ForfeitStreaks, WorkQueue
+from catch_arena.tournament.execution.block_queue import ForfeitStreaks, do_in_order
 from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.match import Fault, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch, ranks_of
@@ -67,12 +67,13 @@ class Shuffled:
         self.begun[future] = block, dict(out)
         return future
 
-    def wait(self, futures, return_when):
-        del return_when
+    def wait(self, futures, return_when=ALL_COMPLETED):
+        futures = [future for future in futures if not future.done()]
         if self.played == self.breaks_after:
             raise KeyboardInterrupt
         self.begun = {future: about for future, about in self.begun.items() if not future.cancelled()}
-        for future in self.random.sample(futures, self.random.randint(1, len(futures))):
+        most = self.random.randint(1, len(futures)) if return_when == FIRST_COMPLETED else len(futures)
+        for future in self.random.sample(futures, most):
             block, out = self.begun.pop(future)
             if self.random.random() < self.loses and self.lost[block] < 2:
                 self.lost[block] += 1
@@ -80,7 +81,6 @@ class Shuffled:
             else:
                 future.set_result([(self.field.play(match, out), b"") for match in block])
                 self.played += 1
-        return SimpleNamespace(done={future for future in futures if future.done()})
 
     def result(self, future):
         return future.result()
@@ -143,7 +143,8 @@ def test_a_streak_is_of_forfeits_of_any_kind_and_ends_with_a_match_that_was_play
         SimpleNamespace(match=Match("m", 0, 0, (0, 1)), result=SimpleNamespace(forfeits=(kinds[code], None)))
         for code in codes
     ]
-    assert streaks.add(played) is out
+    streaks.add(played)
+    assert bool(streaks.excluded) is out
     expected = Fault("FORFEIT_OUT", f"it had forfeited {most} matches in a row")
     assert streaks.excluded_from([Match("m", 0, 0, (0, 1))]) == ({0: expected} if out else {})
 
@@ -165,25 +166,30 @@ def test_who_is_out_is_not_started_and_the_others_play_on(tmp_path, jobs):
     assert (result.steps, result.thinking[1 - seat].moves) == (60, 60)
 
 
-def test_a_task_that_failed_twice_is_done_alone(monkeypatch):
+def test_a_task_that_failed_twice_is_done_alone_and_its_result_is_the_error(monkeypatch):
     monkeypatch.setattr(block_queue, "_PAUSE_S", 0.0)
     log: list[str] = []
+    running: dict[str, Future] = {}
 
     def begin(task):
-        log.append(f"begin {task}")
-        future = Future()
-        future.set_exception(MatchFailedError("no")) if task == "bad" else future.set_result(None)
-        return future
+        log.append(task)
+        running[task] = Future()
+        return running[task]
 
-    work = WorkQueue(SimpleNamespace(max_pending=2, result=lambda future: future.result()), begin)
-    waiting = ["bad", "a", "b", "c"]
-    while waiting or work:
-        while waiting and work.has_room:
-            work.begin(waiting.pop(0))
-        for task, _ in work.ended():
-            log.append(f"end {task}")
-    first, again, alone = ["begin bad", "begin a", "end a"], ["begin bad", "begin b", "end b"], ["begin bad", "end bad"]
-    assert log == [*first, *again, *alone, "begin c", "end c"]
+    def wait(futures, return_when=ALL_COMPLETED):
+        del return_when
+        ended = [task for task, future in running.items() if future in futures]
+        log.append(f"end {' '.join(ended)}")
+        for task in ended:
+            future = running.pop(task)
+            future.set_exception(MatchFailedError("no")) if task == "bad" else future.set_result(None)
+
+    monkeypatch.setattr(block_queue, "wait", wait)
+    executor = SimpleNamespace(max_pending=2, result=lambda future: future.result())
+    results = list(do_in_order(["bad", *"abcde"], executor, begin))
+    assert [(task, str(result)) for task, result in results] == [("bad", "no"), *((task, "None") for task in "abcde")]
+    first, again = ["bad", "a", "end bad a", "b", "c"], ["bad", "end b c bad", "d", "e"]
+    assert log == [*first, *again, "end d e", "bad", "end bad"]
 
 
 def test_a_slow_block_holds_the_rest_back_before_they_fill_the_memory():
@@ -197,7 +203,7 @@ def test_a_slow_block_holds_the_rest_back_before_they_fill_the_memory():
             begun.append(block)
             return super().submit(block, out)
 
-        def wait(self, futures, return_when):
+        def wait(self, futures, return_when=ALL_COMPLETED):
             first, *others = futures
             if others:
                 return super().wait(others, return_when)
