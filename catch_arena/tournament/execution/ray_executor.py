@@ -3,19 +3,20 @@
 import os
 import platform
 import signal
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future
 from contextlib import suppress
 from functools import cache
-from typing import Any
+from typing import Any, TypeVar
 
 from catch_arena.engine import Engine
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, MatchFailedError, install_hint, reason
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.execution.executors import Executor, RecordedMatch, Worker
-from catch_arena.tournament.match import Fault, Match
+from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.players import inspector
 from catch_arena.tournament.store import versions
+
+_Result = TypeVar("_Result")
 
 
 class RayExecutor(Executor):
@@ -57,20 +58,19 @@ class RayExecutor(Executor):
                 signal.signal(signal.SIGTERM, before)
         self._ray = ray
         self.max_pending = 4 * int(ray.cluster_resources().get("CPU", 1))
-        self._sent = ray.put(worker)
         self._versions = tuple(versions().items())
-        self._task = ray.remote(max_retries=0)(_play_block_there)  # block_queue plays lost blocks again
+        self._task = ray.remote(max_retries=0)(_run_there)  # block_queue plays lost blocks again
 
-    def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
-        """Begin to play these matches."""
-        future: Future[list[RecordedMatch]] = self._task.remote(self._sent, matches, excluded, self._versions).future()
+    def run(self, work: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
+        """Begin to call a function on one of the machines."""
+        future: Future[_Result] = self._task.remote(self.worker, self._versions, work, *arguments).future()
         return future
 
-    def result(self, future: Future[Any]) -> Any:
-        """Return the matches of a submitted block.
+    def result(self, future: Future[_Result]) -> _Result:
+        """Return the result of submitted work.
 
         Raises:
-            MatchFailedError: if the block failed on our side, or a Ray worker was lost.
+            MatchFailedError: if the work failed on our side, or a Ray worker was lost.
             CatchArenaError: if the worker's machine has other agents or versions.
         """
         try:
@@ -85,11 +85,11 @@ class RayExecutor(Executor):
         self._ray.shutdown()
 
 
-def _play_block_there(
-    worker: Worker, matches: Sequence[Match], excluded: Mapping[int, Fault], expected: tuple[tuple[str, str], ...]
-) -> list[RecordedMatch]:
+def _run_there(
+    worker: Worker, expected: tuple[tuple[str, str], ...], work: Callable[..., _Result], *arguments: Any
+) -> _Result:
     require_same(worker, expected)
-    return worker.play_block(matches, excluded)
+    return work(*arguments)
 
 
 @cache
