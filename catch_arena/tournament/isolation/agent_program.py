@@ -46,6 +46,8 @@ _END_LINES: Final = (b"", protocol.END)
 """Lines at which a match is over: the end of the pipe, and END."""
 _CLEAN_S: Final = 1.0
 """Time to end the processes that a match has left [s]; then the program ends, and the tournament ends the rest."""
+_PAUSE_S: Final = 0.01
+"""Time between two looks at processes that may have ended, if the system sends no signal [s]."""
 
 
 def main(words: str) -> None:
@@ -76,8 +78,9 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
         out: descriptor of the pipe for the answers.
         namespaced: True if the process is in its own namespaces.
     """
+    tournament = os.getppid()
     if not namespaced:
-        _end_after_parent(os.getppid(), Path(folder))
+        _end_after_parent(tournament, Path(folder))
     allowed = Quotas(**quotas)
     _confine(allowed, namespaced=namespaced)
     writable = [Path(folder), SHARED] if namespaced else [Path(folder)]
@@ -113,7 +116,7 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
                 _print(error)
             finally:
                 os._exit(1)
-        code = _exit_code(child)
+        code = _exit_code(child, tournament, Path(folder))
         if not _end_descendants() or code == _ERROR_SENT:
             return
         os.chdir("/")
@@ -221,12 +224,21 @@ def _prctl(option: int, value: int) -> None:
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
-def _exit_code(child: int) -> int:
-    """Wait for the child and return its exit code; other processes that end meanwhile are reaped too."""
+def _exit_code(child: int, tournament: int, folder: Path) -> int:
+    """Wait for the child and return its exit code; other processes that end meanwhile are reaped too.
+
+    Systems like macOS send no signal when the tournament's process ends; then this function removes the folder, and
+    ends this process with all of its group.
+    """
     while True:
-        ended, status = os.waitpid(-1, 0)
+        ended, status = os.waitpid(-1, 0 if LINUX else os.WNOHANG)
         if ended == child:
             return os.waitstatus_to_exitcode(status)
+        if ended == 0 and os.getppid() != tournament:
+            shutil.rmtree(folder, ignore_errors=True)
+            os.killpg(0, signal.SIGKILL)
+        elif ended == 0:
+            time.sleep(_PAUSE_S)
 
 
 def _end_descendants() -> bool:

@@ -99,7 +99,7 @@ def namespaces_fault() -> str | None:
 @cache
 def _fault(program: str | None) -> str | None:
     if sys.platform != "linux":
-        return f"{sys.platform} has none: only Linux does"
+        return f"only Linux has namespaces, and this is {sys.platform}"
     if program is None:
         return "bubblewrap is not installed: apt-get install bubblewrap, or your system's package of that name"
     true = shutil.which("true") or "/bin/true"
