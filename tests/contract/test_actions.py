@@ -262,14 +262,3 @@ def test_an_agent_that_drives_out_of_bounds_forfeits_in_a_tournament():
 
         assert result.forfeit_codes == ("FORFEIT_ILLEGAL", None)
         assert "must be two numbers in [-1, 1], got" in result.forfeits[0].reason
-
-
-def test_an_opponent_that_drives_out_of_bounds_is_named():
-    """In a tournament the agent would forfeit."""
-    for opponent_class in (Means, MeansInBatches):
-        driver = opponent_class((0.0, 1.5))
-        driver.control = "velocity"
-        batch = LearnerBatch(DUEL, 1, opponents=driver)
-        batch.reset(seed=SEED)
-        with pytest.raises(AgentError, match=r"numbers in \[-1, 1\], got"):
-            batch.step([0])

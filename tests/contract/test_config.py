@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from odd_actions import Index
 
 from catch_arena import VectorArena, arbitrate, parallel_env
 from catch_arena.config import ArenaConfig
@@ -67,20 +68,13 @@ def test_a_view_is_partial_where_something_may_lie_outside_of_it(settings: dict[
         assert ArenaConfig(policy="capstone", **settings).policy == "capstone"
 
 
-class Index:
-    """A number of some other library."""
-
-    def __index__(self):
-        return 3
-
-
 OTHERS_NUMBERS = [
     ({"time_limit_s": np.int64(5)}, {"time_limit_s": 5}),
     ({"time_limit_s": np.float64(2.5)}, {"time_limit_s": 2.5}),
     ({"side_m": np.float32(4.5)}, {"side_m": 4.5}),
     ({"side_m": Fraction(9, 2)}, {"side_m": 4.5}),
     ({"hunters": np.uint8(3)}, {"hunters": 3}),
-    ({"hunters": Index()}, {"hunters": 3}),
+    ({"hunters": Index(3)}, {"hunters": 3}),
     ({"hunters": np.array(3)}, {"hunters": 3}),
     ({"reverse": np.True_, "spawning": np.bool_(False)}, {"reverse": True, "spawning": False}),
     ({"reach_m": np.array([0.1, 0.25, 0.3, 0.4])}, {"reach_m": (0.1, 0.25, 0.3, 0.4)}),

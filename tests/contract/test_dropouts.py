@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contract.episodes import chased
 
 import catch_arena
 from catch_arena.errors import ActionError
@@ -10,23 +11,13 @@ from catch_arena.verdicts import Verdict
 RATE = 0.02
 
 
-def played(env, seed):
-    """(agents before, observations, terminations, truncations, infos) of each step of one episode."""
-    observations, infos = env.reset(seed=seed)
-    while env.agents:
-        agents = list(env.agents)
-        actions = {agent: int(infos[agent]["action_mask"][1]) for agent in agents}
-        observations, _, terminations, truncations, infos = env.step(actions)
-        yield agents, observations, terminations, truncations, infos
-
-
 @pytest.mark.rule("R1.7")
 def test_r1_7_who_drops_out_is_terminated_in_that_step_and_leaves():
     """With a last observation, and never truncated too; the state says that it is withdrawn."""
     left = 0
     for seed in range(6):
         env = catch_arena.parallel_env(dropout_rate=RATE, max_cycles=40)
-        for agents, observations, terminations, truncations, _infos in played(env, seed):
+        for agents, (observations, _, terminations, truncations, _) in chased(env, seed):
             assert set(observations) == set(terminations) == set(agents)
             withdrawn = {hunter.name for hunter in env.world().hunters if hunter.withdrawn}
             assert {agent for agent in agents if terminations[agent]} == withdrawn & set(agents)

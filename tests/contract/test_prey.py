@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from contract.episodes import chase, chased
 
 import catch_arena
 from catch_arena.errors import ActionError, EpisodeError
@@ -10,24 +11,6 @@ from catch_arena.layout import prey_columns
 HUNT = catch_arena.scenario(
     "herd", side_m=5.0, prey=3, initial_targets=4, max_targets=6, reach_m=0.5, prey_returns_s=0.5, max_cycles=80
 )
-
-
-def act(env, infos):
-    """Hunters want the nearest target, prey drives in arcs."""
-    return {
-        agent: int(infos[agent]["action_mask"][1]) if agent.startswith("hunter") else np.array([0.6, 0.4], np.float32)
-        for agent in env.agents
-    }
-
-
-def played(env, seed):
-    """(agents before, what `step` gives) of each step of one episode."""
-    _, infos = env.reset(seed=seed)
-    while env.agents:
-        agents = list(env.agents)
-        step = env.step(act(env, infos))
-        infos = step[-1]
-        yield agents, step
 
 
 @pytest.mark.rule("R12.7")
@@ -51,7 +34,7 @@ def test_r12_3_prey_that_returns_stays_among_the_agents():
     for seed in range(3):
         before = [0, 0, 0]
         was_active = [True] * 3
-        for agents, (observations, rewards, terminations, _, infos) in played(env, seed):
+        for agents, (observations, rewards, terminations, _, infos) in chased(env, seed):
             assert agents == env.possible_agents
             assert not any(terminations.values())
             for index, prey in enumerate(env.world().prey):
@@ -82,7 +65,7 @@ def test_r12_3_prey_that_does_not_return_is_terminated_and_leaves():
     left = 0
     for seed in range(4):
         gone: set[str] = set()
-        for agents, (observations, rewards, terminations, truncations, infos) in played(env, seed):
+        for agents, (observations, rewards, terminations, truncations, infos) in chased(env, seed):
             assert set(observations) == set(rewards) == set(terminations) == set(infos) == set(agents)
             out = {prey.name for prey in env.world().prey if prey.target is None}
             assert {agent for agent in agents if terminations[agent]} == out - gone
@@ -104,11 +87,11 @@ def test_r12_5_prey_is_withdrawn_stands_still_and_can_be_caught():
     env = catch_arena.parallel_env(config)
     _, infos = env.reset(seed=7)
     for _ in range(5):
-        *_, infos = env.step(act(env, infos))
+        *_, infos = env.step(chase(env, infos))
     env.withdraw("prey_1")
     (target,) = (target for target in env.world().targets if target.prey == "prey_1")
     assert target.linear_velocity == target.angular_velocity == 0.0
-    actions = act(env, infos)
+    actions = chase(env, infos)
     _, rewards, terminations, _, infos = env.step(actions)
     assert [agent for agent, over in terminations.items() if over] == ["prey_1"]
     assert rewards["prey_1"] == 0.0
@@ -119,7 +102,7 @@ def test_r12_5_prey_is_withdrawn_stands_still_and_can_be_caught():
     assert env.world().prey[1].withdrawn
     with pytest.raises(EpisodeError, match="cannot withdraw prey_1: it is not among the agents"):
         env.withdraw("prey_1")
-    env.step(act(env, infos))
+    env.step(chase(env, infos))
 
 
 def test_an_action_of_prey_that_is_out_for_good_is_ignored():
@@ -145,7 +128,7 @@ def test_an_action_that_prey_cannot_give_is_refused(action):
     _, infos = env.reset(seed=1)
     digest = env.digest()
     with pytest.raises(ActionError, match="prey_2: an action must be two finite numbers, got "):
-        env.step(act(env, infos) | {"prey_2": action})
+        env.step(chase(env, infos) | {"prey_2": action})
     assert env.digest() == digest
 
 
@@ -153,7 +136,7 @@ def test_an_action_that_prey_cannot_give_is_refused(action):
 def test_r7_3_the_global_view_tells_of_prey():
     """The state lies in its space, and says which prey is out."""
     env = catch_arena.parallel_env(HUNT)
-    for _ in played(env, 4):
+    for _ in chased(env, 4):
         state = env.state()
         assert env.state_space.contains(state)
         for prey, columns in zip(env.world().prey, state[-27:].reshape(3, 9), strict=True):

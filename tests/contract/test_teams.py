@@ -1,6 +1,7 @@
 """R11.1 in the environments: teams, their scores, and equal configs for equal teams."""
 
 import pytest
+from contract.episodes import chased
 
 import catch_arena
 from catch_arena.layout import columns
@@ -8,21 +9,12 @@ from catch_arena.layout import columns
 BUSY = catch_arena.scenario("pairs", side_m=4.0, spawn_frequency_hz=6.0, reach_m=0.6, max_cycles=60)
 
 
-def played(env, seed):
-    """Each step of one episode in which everybody wants the nearest target: what `step` gives."""
-    _, infos = env.reset(seed=seed)
-    while env.agents:
-        step = env.step({agent: int(infos[agent]["action_mask"][1]) for agent in env.agents})
-        infos = step[-1]
-        yield step
-
-
 @pytest.mark.rule("R11.1")
 def test_r11_1_world_and_infos_tell_the_teams_and_their_scores():
     """A team's score is the sum of its hunters'."""
     env = catch_arena.parallel_env(BUSY.replace(teams=((3, 0), (1, 2))))
     scored = 0
-    for *_, infos in played(env, 3):
+    for _, (*_, infos) in chased(env, 3):
         world = env.world()
         assert [hunter.team for hunter in world.hunters] == [0, 1, 1, 0]
         scores = [hunter.score for hunter in world.hunters]
