@@ -1,6 +1,7 @@
 """Random matches for the property tests: settings, actions and incidents, all from one seeded source."""
 
 import os
+from collections.abc import Sequence
 from random import Random
 from typing import Any
 
@@ -194,20 +195,29 @@ def some_batch_actions(
     return choices, np.concatenate((of_hunters, of_prey), axis=1)
 
 
-def seen(engine: Engine, row: int) -> list[object]:
+def begun(config: ArenaConfig, seeds: Sequence[int], **options: bool) -> tuple[Engine, list[OracleArena]]:
+    """A batch after its reset, and an oracle for each row."""
+    batch, oracles = Engine(config, len(seeds), **options), [OracleArena(config.to_dict()) for _ in seeds]
+    batch.reset(seeds)
+    for oracle, seed in zip(oracles, seeds, strict=True):
+        oracle.reset(seed)
+    return batch, oracles
+
+
+def seen(engine: Engine, row: int) -> dict[str, object]:
     """Everything that one row hands out."""
-    return [
-        engine.state(row).tobytes(),
-        engine.digest(row),
-        engine.observations[row].tobytes(),
-        engine.masks[row].tobytes(),
-        engine.rewards[row].tobytes(),
-        engine.parts[row].tobytes(),
-        int(engine.ends[row]),
-        engine.prey_parts[row].tobytes(),
-        engine.rulings(row),
-        engine.world(row),
-    ]
+    return {
+        "state": engine.state(row).tobytes(),
+        "digest": engine.digest(row),
+        "observations": engine.observations[row].tobytes(),
+        "masks": engine.masks[row].tobytes(),
+        "rewards": engine.rewards[row].tobytes(),
+        "parts": engine.parts[row].tobytes(),
+        "ends": int(engine.ends[row]),
+        "prey_parts": engine.prey_parts[row].tobytes(),
+        "rulings": engine.rulings(row),
+        "world": engine.world(row),
+    }
 
 
 def settings_of(config: ArenaConfig) -> str:

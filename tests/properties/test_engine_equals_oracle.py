@@ -12,6 +12,7 @@ from oracle.arena import PART_NAMES, PREY_PART_NAMES, Command, OracleArena
 from properties.matches import (
     CONTROLS,
     EFFORT,
+    begun,
     settings_of,
     some_actions,
     some_config,
@@ -121,9 +122,7 @@ def play(source: Random, met: set[Any], config: ArenaConfig | None = None) -> in
     """
     config, seed = config or some_config(source), some_seed(source)
     names = [column.name for column in columns(config)]
-    engine, oracle = Engine(config), OracleArena(config.to_dict())
-    engine.reset([seed])
-    oracle.reset(seed)
+    engine, (oracle,) = begun(config, [seed])
     step = 0
     history: list[str] = []
     try:
@@ -203,11 +202,7 @@ def test_every_row_of_a_batch_plays_as_the_oracle_does(arenas: int) -> None:
         source = Random(1000 * FIRST_SEED + 100 * arenas + match)
         config = some_config(source)
         names = [column.name for column in columns(config)]
-        batch, oracles = Engine(config, arenas), [OracleArena(config.to_dict()) for _ in range(arenas)]
-        seeds = [some_seed(source) for _ in oracles]
-        batch.reset(seeds)
-        for oracle, seed in zip(oracles, seeds, strict=True):
-            oracle.reset(seed)
+        batch, oracles = begun(config, [some_seed(source) for _ in range(arenas)])
         for step in range(1, BATCH_STEPS + 1):
             row, seat = source.randrange(arenas), source.randrange(config.hunters)
             if source.random() < 0.2:
@@ -241,9 +236,7 @@ def test_every_row_of_a_batch_plays_as_the_oracle_does(arenas: int) -> None:
 def test_a_zero_with_a_sign_loses_it() -> None:
     """A.6: only the digest could tell -0.0 from 0.0, and a tick of rest would turn the one into the other."""
     config = ArenaConfig(hunters=1, hunter_poses=((1.0, 1.0, -0.0),))
-    engine, oracle = Engine(config), OracleArena(config.to_dict())
-    engine.reset([1])
-    oracle.reset(1)
+    engine, (oracle,) = begun(config, [1])
     engine.withdraw(0, 0)
     oracle.withdraw(0)
     assert bytes(engine.digest(0)) == oracle.digest()
@@ -267,9 +260,7 @@ def oldest_in_view(oracle: OracleArena, seat: int) -> int:
 def test_whole_episodes_of_every_scenario_are_the_same() -> None:
     """From reset to the time limit, agents that chase: the state's digest at every step; seeds 1 to 6."""
     for seed, (name, config) in enumerate(SCENARIOS.items(), start=1):
-        engine, oracle = Engine(config), OracleArena(config.to_dict())
-        engine.reset([seed])
-        oracle.reset(seed)
+        engine, (oracle,) = begun(config, [seed])
         steps = 600 if EFFORT > 1 else 600 // config.hunters
         for step in range(steps):
             actions = [1 if (step // 20 + seat) % 7 else 2 for seat in range(config.hunters)]

@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from oracle.arena import OracleArena
-from properties.matches import some_actions, some_prey_actions
+from properties.matches import begun, some_actions, some_prey_actions
 from properties.test_engine_equals_oracle import compare, with_prey
 from rulebook.adjudicators import as_arrays, by_seat
 
@@ -122,10 +122,7 @@ def test_rows_that_begin_and_end_apart_play_as_the_oracle_does(name: str) -> Non
     stands still, and is told nothing new; and then all begin anew.
     """
     config, source = config_of(name), Random(20261123)
-    batch, oracles = Engine(config, ROWS), [OracleArena(config.to_dict()) for _ in range(ROWS)]
-    batch.reset(range(ROWS))
-    for seed, oracle in enumerate(oracles):
-        oracle.reset(seed)
+    batch, oracles = begun(config, range(ROWS))
     names = [column.name for column in columns(config)]
     ended, caught_last = 0, 0
     for step in range(STEPS + 2):
@@ -162,11 +159,7 @@ def test_rows_that_begin_and_end_apart_play_as_the_oracle_does(name: str) -> Non
 def test_figures_are_what_the_oracle_has_been_paid(name: str) -> None:
     """Without parts, as learners have it, through an episode of each row; ranks are R6.1's, R11.1's and R12.5's."""
     config, source = config_of(name).replace(time_limit_s=0.6), Random(7)
-    batch = Engine(config, MANY_ROWS, with_infos=False, auto_reset=True)
-    oracles = [OracleArena(config.to_dict()) for _ in range(MANY_ROWS)]
-    batch.reset(range(MANY_ROWS))
-    for seed, oracle in enumerate(oracles):
-        oracle.reset(seed)
+    batch, oracles = begun(config, range(MANY_ROWS), with_infos=False, auto_reset=True)
     oracles[2].withdraw(1)
     batch.withdraw(2, 1)
     for row, index in ((1, 0), (2, 1)) if config.prey else ():
@@ -226,10 +219,7 @@ def test_what_prey_sees_has_its_order_in_every_row(hunters: int, prey: int, rows
     """
     settings = {"side_m": 4.0, "prey": prey, "initial_targets": prey, "max_targets": 16, "time_limit_s": 0.201}
     config, source = ArenaConfig(hunters=hunters, control="full").replace(**settings), Random(hunters + 100 * prey)
-    batch, oracles = Engine(config, rows), [OracleArena(config.to_dict()) for _ in range(rows)]
-    batch.reset(range(rows))
-    for seed, oracle in enumerate(oracles):
-        oracle.reset(seed)
+    batch, oracles = begun(config, range(rows))
 
     def node() -> tuple[float, float, float]:
         return source.choice([1.0, 2.0, 3.0]), source.choice([1.0, 2.0, 3.0]), source.choice([0.0, 1.5, -1.5, 3.0])
@@ -260,10 +250,7 @@ def test_what_hunters_see_has_its_order_in_every_row() -> None:
         "view_noise_m": 0.1,
     }
     rows, config, source = 20, ArenaConfig(hunters=12, control="full").replace(**settings), Random(11)
-    batch, oracles = Engine(config, rows), [OracleArena(config.to_dict()) for _ in range(rows)]
-    batch.reset(range(rows))
-    for seed, oracle in enumerate(oracles):
-        oracle.reset(seed)
+    batch, oracles = begun(config, range(rows))
     for ranks in (0, 4):  # nobody has caught anything after the first
         for row, oracle in enumerate(oracles):
             places = source.choice([[1.0], [1.0, 2.0]])
@@ -283,10 +270,7 @@ def test_every_row_draws_its_own_lots(policy: str) -> None:
     config = ArenaConfig().replace(hunters=4, control="full", policy=policy, faults=faults)
     source = Random(20261124)
     seeds = [source.getrandbits(64) for _ in range(LOTS)]
-    batch, oracles = Engine(config, LOTS), [OracleArena(config.to_dict()) for _ in range(LOTS)]
-    batch.reset(seeds)
-    for seed, oracle in zip(seeds, oracles, strict=True):
-        oracle.reset(seed)
+    batch, oracles = begun(config, seeds)
     position = [(x, y, 0.0) for x in (4.3, 4.7) for y in (2.0, 8.0)], [(4.5, 2.0), (4.5, 8.0)]
     standing = [((0.0, 0.0), 1)] * config.hunters
     choices, commands = as_arrays(config, standing)
