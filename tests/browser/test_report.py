@@ -9,9 +9,9 @@ import numpy as np
 import pytest
 from browser.waiting import until
 from command_line import run
+from render.matches import played
 from report.synthetic import tournament
 
-import catch_arena
 from catch_arena.explanation import explain, what_if
 from catch_arena.player import bundle_text, element_script, player_html, player_page
 from catch_arena.render import hud, viewport
@@ -59,12 +59,7 @@ _CONTRASTS = """
 @pytest.fixture(scope="module")
 def crowd():
     """A short match with many contests."""
-    env = catch_arena.parallel_env("crowd", time_limit_s=8.0)
-    env.record([f"agent {seat}" for seat in range(16)], "a crowd")
-    _, infos = env.reset(seed=5)
-    while env.agents:
-        _, _, _, _, infos = env.step({agent: int(infos[agent]["action_mask"][1]) for agent in env.agents})
-    return env.replay()
+    return played("crowd", seed=5, names=[f"agent {seat}" for seat in range(16)], title="a crowd", time_limit_s=8.0)
 
 
 @pytest.fixture(scope="module")
@@ -252,12 +247,8 @@ def test_without_an_answer_there_is_no_button_and_the_key_says_so(player):
 @pytest.fixture
 def half_blind(quiet, tmp_path):
     """A page with a match in which targets flee and hunters see a part."""
-    env = catch_arena.parallel_env("evasive", time_limit_s=6.0, view_radius_m=4.0, view_angle_deg=120.0)
-    env.record(["ann", "bob", "cid", "dan"])
-    env.reset(seed=3)
-    while env.agents:
-        env.step(dict.fromkeys(env.agents, 1))
-    return opened(quiet, tmp_path, player_html(env.replay()))
+    names, view = ("ann", "bob", "cid", "dan"), {"view_radius_m": 4.0, "view_angle_deg": 120.0}
+    return opened(quiet, tmp_path, player_html(played("evasive", names=names, time_limit_s=6.0, **view)))
 
 
 def test_what_the_picked_hunter_sees_is_shown_on_demand(half_blind):

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
+from render.matches import played
 
-import catch_arena
 from catch_arena.render import viewport
 from catch_arena.render.video import render_replay
 from catch_arena.replay import Replay
@@ -25,12 +25,7 @@ source => {
 
 @pytest.fixture(scope="module")
 def match() -> Replay:
-    env = catch_arena.parallel_env("standard", time_limit_s=2.0)
-    env.record()
-    _, infos = env.reset(seed=3)
-    while env.agents:
-        _, _, _, _, infos = env.step({agent: int(infos[agent]["action_mask"][1]) for agent in env.agents})
-    return env.replay()
+    return played(time_limit_s=2.0)
 
 
 def shown(page, selector: str) -> np.ndarray:

@@ -3,17 +3,15 @@
 import base64
 import gzip
 
-import catch_arena
+from render.matches import played
+
 from catch_arena.player import bundle_text
 from catch_arena.player.bundle import encode_bundle
 
 
 def test_the_text_unpacks_to_the_bundle_and_is_the_same_at_any_time(monkeypatch):
     """Gzip writes the time of day into a file by default."""
-    env = catch_arena.parallel_env("duel", time_limit_s=1.0)
-    env.record()
-    env.reset(seed=1)
-    replay = env.replay()
+    replay = played("duel", time_limit_s=1.0)
     text = bundle_text(replay)
     assert gzip.decompress(base64.b64decode(text)) == encode_bundle(replay)
     monkeypatch.setattr("time.time", lambda: 2e9)
@@ -24,11 +22,6 @@ def test_a_minute_of_targets_that_flee_takes_less_than_four_times_that_of_still_
     """In the page: packed, as text. What moves is told by the differences of its differences."""
     sizes = {}
     for motion in ("still", "flee"):
-        env = catch_arena.parallel_env("standard", target_motion=motion)
-        env.record()
-        env.reset(seed=1)
-        while env.agents:
-            env.step(dict.fromkeys(env.agents, 1))
-        sizes[motion] = len(bundle_text(env.replay()))
+        sizes[motion] = len(bundle_text(played(target_motion=motion)))
     assert sizes["still"] < 16_000
     assert sizes["flee"] < 30_000

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from render.matches import played
 from report.javascript import deno
 
 import catch_arena
@@ -200,12 +201,7 @@ def test_captions_and_the_result_are_those_of_videos(bundles):
 
 def test_a_contest_without_measured_distances_has_no_lens():
     """R9.1: the policy `capstone` grants each request for a target."""
-    env = catch_arena.parallel_env("capstone", time_limit_s=20.0, hunters=4, control="target", side_m=4.0)
-    env.record()
-    _, infos = env.reset(seed=1)
-    while env.agents:
-        _, _, _, _, infos = env.step(chase(env, infos))
-    (shown,) = read([bundle_text(env.replay())])
+    (shown,) = read([bundle_text(played("capstone", time_limit_s=20.0, hunters=4, side_m=4.0))])
     assert shown["contests"]
     assert all(contest["lens"] is None for contest in shown["contests"])
 
@@ -235,12 +231,7 @@ def test_answers_are_about_their_contests_and_have_the_alternative_way_of_the_lo
 
 def test_there_is_no_ghost_where_no_change_helps():
     poses = ((5.0, 5.0, 0.0), (5.0, 5.0, 0.0))
-    env = catch_arena.parallel_env("duel", time_limit_s=1.0, control="target", hunter_poses=poses, reach_m=9.0)
-    env.record()
-    _, infos = env.reset(seed=1)
-    while env.agents:
-        _, _, _, _, infos = env.step(chase(env, infos))
-    replay = env.replay()
+    replay = played("duel", time_limit_s=1.0, hunter_poses=poses, reach_m=9.0)
     answer = what_if(replay, explain(replay).contests[0])
     (shown,) = read([bundle_text(replay, [answer])])
     assert [(one["text"], one["way"]) for one in shown["answers"]] == [(answer.sentence, None)]

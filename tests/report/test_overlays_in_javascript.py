@@ -6,6 +6,7 @@ import math
 import pathlib
 
 import pytest
+from render.matches import played
 from report.javascript import deno
 
 import catch_arena
@@ -40,16 +41,10 @@ def matches():
     """A replay of each scenario, in which hunters go for the nearest target."""
     replays = {}
     for scenario, changes in MATCHES.items():
-        env = catch_arena.parallel_env(scenario, time_limit_s=12.0, control="target", **changes)
-        agents = len(env.possible_agents)
-        env.record([NAMES[agent % len(NAMES)] for agent in range(agents)])
-        _, infos = env.reset(seed=7)
-        while env.agents:
-            actions = {
-                agent: [0.5, 0.3] if "prey" in agent else int(infos[agent]["action_mask"][1]) for agent in env.agents
-            }
-            _, _, _, _, infos = env.step(actions)
-        replays[scenario] = env.replay()
+        settings = {"time_limit_s": 12.0, "control": "target", **changes}
+        config = catch_arena.scenario(scenario, **settings)
+        names = [NAMES[agent % len(NAMES)] for agent in range(config.hunters + config.prey)]
+        replays[scenario] = played(scenario, seed=7, names=names, **settings)
     return replays
 
 

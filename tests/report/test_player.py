@@ -3,20 +3,16 @@
 import re
 
 import pytest
+from render.matches import played
 
-import catch_arena
 from catch_arena.player import player_html, player_page
 from catch_arena.player.element import script_json
 
 
 @pytest.fixture(scope="module")
 def replay():
-    env = catch_arena.parallel_env("duel", time_limit_s=1.0)
-    env.record(["</script><script>alert(1)</script>", "<img src=x onerror=alert(2)>"], "<h1>title</h1>")
-    env.reset(seed=1)
-    while env.agents:
-        env.step(dict.fromkeys(env.agents, 1))
-    return env.replay()
+    names = ["</script><script>alert(1)</script>", "<img src=x onerror=alert(2)>"]
+    return played("duel", names=names, title="<h1>title</h1>", time_limit_s=1.0)
 
 
 @pytest.fixture(scope="module")
