@@ -7,41 +7,18 @@ import pytest
 import catch_arena
 from catch_arena.errors import OutputError
 
-CONTROL = ("target", "velocity", "full", "target")
 
-
-def record(**overrides):
-    env = catch_arena.parallel_env("faulty", control=CONTROL, max_cycles=80, **overrides)
-    env.record(["a", "b", "c", "d"], title="a test")
-    env.reset(seed=6)
-    for index, agent in enumerate(env.possible_agents):
-        env.action_space(agent).seed(index)
-    worlds = [env.world()]
-    while env.agents:
-        if len(worlds) == 40:
-            env.withdraw("hunter_2")
-        env.step({agent: env.action_space(agent).sample() for agent in env.agents})
-        worlds.append(env.world())
-    return env.replay(), worlds
-
-
-@pytest.fixture(scope="module")
-def recorded():
-    return record()
-
-
-def test_only_regular_files_are_replaced(recorded, tmp_path):
+def test_only_regular_files_are_replaced(mixed, tmp_path):
     """A device or a folder stays what it is; a link is followed."""
-    replay, _ = recorded
     for target in (tmp_path, Path("/dev/null")):
         with pytest.raises(OutputError, match="is not a regular file"):
-            replay.save(target)
+            mixed.save(target)
     (tmp_path / "real.replay").write_bytes(b"")
     (tmp_path / "link.replay").symlink_to(tmp_path / "real.replay")
-    replay.save(tmp_path / "link.replay")
+    mixed.save(tmp_path / "link.replay")
 
     assert (tmp_path / "link.replay").is_symlink()
-    assert catch_arena.Replay.load(tmp_path / "real.replay").steps == replay.steps
+    assert catch_arena.Replay.load(tmp_path / "real.replay").steps == mixed.steps
 
 
 def test_hunters_that_leave_in_one_step_may_do_so_in_any_order(tmp_path):
