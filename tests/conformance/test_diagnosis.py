@@ -79,17 +79,11 @@ def first_come(*, hunters: Any, targets: Any, requests: Any, reach_m: Any, **_: 
     return returned
 
 
-def yes(*, requests: Any, **_: Any) -> list[Any]:
-    """Grant all, as the exercise's service does."""
-    return [("GRANTED", hunter, name) for hunter, name in requests]
-
-
 @pytest.mark.parametrize("evidence", [True, False])
 @pytest.mark.parametrize(
     ("student", "named"),
     [
         (first_come, "first come, first served"),
-        (yes, "every request is granted"),
         (minimal, "reach is tested in floats, with <="),
         (service, "the distance is squared: the square root is missing"),
     ],
