@@ -17,7 +17,7 @@ from catch_arena.tournament.agent_spec import AgentSpec, is_shipped
 from catch_arena.tournament.entrants import Entrant, inspect_agent
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.quotas import Quotas
-from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Log, Sandbox, excerpt, exit_reason
+from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, excerpt, exit_reason
 from catch_arena.tournament.match import Fault, Move, Observation
 
 _POLL_S: Final = 0.1
@@ -26,6 +26,9 @@ _STALL_S: Final = 1.0
 """Stall of this process [s] from which on no agent is blamed for being late."""
 _WAIT_S: Final = 1.0 / 60.0
 """Time between two calls of `while_waiting` [s]."""
+
+_LATE: Final = Fault("FORFEIT_TIMEOUT", "", late=True)
+"""Fault of an agent that is late, before its reason is known."""
 
 _Reply = tuple[dict[str, Any], float, Fault | None]
 """Answer of an isolated agent: JSON object in its line (empty if there is a fault); time taken [s]; fault."""
@@ -77,16 +80,13 @@ class Players(AbstractContextManager["Players"]):
         self._sandbox = sandbox
         self._while_waiting = while_waiting
         self._processes: dict[int, AgentProcess] = {}
-        self._logs: dict[int, Log] = {}
         self._quotas = Quotas() if sandbox is None else sandbox.quotas
         self._bank_s = dict.fromkeys(self._isolated, self._quotas.bank_s)
 
     def __exit__(self, error: object, *_: object) -> None:
-        for seat in [*self._processes]:
-            if error is not None:  # the next match must not meet processes of this one
-                self.drop(seat)
-            elif self._sandbox is not None:
-                self._sandbox.finish(self._processes[seat])
+        if self._sandbox is not None and self._isolated:
+            # after an error the next match must not meet processes of this one
+            self._sandbox.clear() if error is None else self._sandbox.close()
 
     def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match, with a seed for each seat; all time and faults before the first view count as init.
@@ -149,23 +149,22 @@ class Players(AbstractContextManager["Players"]):
 
     def drop(self, seat: int) -> None:
         """End the agent of a seat that forfeited or dropped out; no process of it is left."""
-        if seat in self._processes:
-            self._processes.pop(seat).close()
+        if self._sandbox is not None and seat in self._processes:
+            self._sandbox.end(self._processes[seat])
 
     def logs(self) -> dict[int, str]:
         """Return the printed text by seat; agents in this process print to its own output."""
         for process in self._processes.values():
             process.read_log()
         absent = {seat: fault.log for seat, fault in self._absent.items() if fault.log}
-        return absent | {seat: log.text() for seat, log in self._logs.items()}
+        return absent | {seat: process.log.text() for seat, process in self._processes.items()}
 
     def _greet(self) -> dict[int, _Reply]:
         """Start all isolated agents, and return their answers to the greeting."""
         if self._sandbox is None:
             return {}
         for seat, entrant in self._isolated.items():
-            self._processes[seat] = process = self._sandbox.start(entrant.spec)
-            self._logs[seat] = process.log
+            self._processes[seat] = self._sandbox.start(entrant.spec)
         lines = {seat: protocol.hello_line(entrant.side) for seat, entrant in self._isolated.items()}
         return self._exchange(lines, dict.fromkeys(lines, self._quotas.init_s), "init")
 
@@ -225,13 +224,12 @@ class Players(AbstractContextManager["Players"]):
                 elif (received := process.read()) is not None:
                     poll.unregister(file)
                     fields, fault = _parse(doing, received, process)
-                    if now > due.pop(seat) and fault is None:
-                        fields, fault = {}, self._late(doing)
-                    replies[seat] = fields, now - sent_at[seat], fault
+                    in_time = now <= due.pop(seat) or fault is not None
+                    replies[seat] = (fields if in_time else {}), now - sent_at[seat], (fault if in_time else _LATE)
             for seat in [seat for seat, end in due.items() if now > end]:
                 del due[seat]
                 poll.unregister(self._processes[seat].answer_pipe)  # later answers are too late
-                replies[seat] = {}, now - sent_at[seat], self._late(doing)
+                replies[seat] = {}, now - sent_at[seat], _LATE
             if while_waiting is not None and due and now >= call_at:
                 try:
                     while_waiting()
@@ -244,15 +242,17 @@ class Players(AbstractContextManager["Players"]):
         for seat, (_, seconds, fault) in replies.items():
             if fault is ENDED:
                 replies[seat] = {}, seconds, Fault("FORFEIT_CRASH", f"{doing}: {self._end_of_process(seat)}")
+            elif fault is _LATE:
+                why = f"{doing} took longer than {self._limit_name(doing)}"
+                replies[seat] = {}, seconds, replace(fault, reason=why)
         return replies
 
-    def _late(self, doing: str) -> Fault:
-        """Return the fault of an agent that exceeds a limit; reports count faults by these words."""
+    def _limit_name(self, doing: str) -> str:
+        """Return the name of the limit that a late agent exceeds; reports count faults by these words."""
         init, step = f"init_s ({self._quotas.init_s:g} s)", f"step_ms ({self._quotas.step_ms:g} ms)"
-        limit = init if doing == "init" else f"what was left of {init}"
         if doing == "act":
-            limit = f"{step} and what was left of bank_s ({self._quotas.bank_s:g} s)"
-        return Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {limit}", late=True)
+            return f"{step} and what was left of bank_s ({self._quotas.bank_s:g} s)"
+        return init if doing == "init" else f"what was left of {init}"
 
     def _end_of_process(self, seat: int) -> str:
         """End an agent that closed its answers, and return in words how its process ended.

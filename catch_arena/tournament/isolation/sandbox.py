@@ -230,7 +230,7 @@ class AgentProcess:
 
 
 class Sandbox(AbstractContextManager["Sandbox"]):
-    """Starter of isolated agents, and the processes that wait for a next match. Use it as a context manager.
+    """Sandbox: the isolated agents of one process, for one match at a time. Use it as a context manager, or `close` it.
 
     Args:
         quotas: quotas of each agent.
@@ -241,6 +241,7 @@ class Sandbox(AbstractContextManager["Sandbox"]):
 
     def __init__(self, quotas: Quotas) -> None:
         self.quotas = replace(quotas, isolation=available_level(quotas.isolation))
+        self._playing: list[AgentProcess] = []
         self._waiting: list[AgentProcess] = []
 
     def __exit__(self, *_: object) -> None:
@@ -252,26 +253,36 @@ class Sandbox(AbstractContextManager["Sandbox"]):
         Raises:
             MatchFailedError: if the process cannot be started.
         """
-        for process in self._waiting:
-            if process.spec == spec:
-                self._waiting.remove(process)
-                process.begin()
-                return process
-        return AgentProcess(spec, self.quotas)
+        process = next((one for one in self._waiting if one.spec == spec), None)
+        if process is None:
+            process = AgentProcess(spec, self.quotas)
+        else:
+            self._waiting.remove(process)
+        self._playing.append(process)
+        process.begin()
+        return process
 
-    def finish(self, process: AgentProcess) -> None:
-        """End a match of a process: it waits for the next one, or is closed if it cannot play another."""
-        if not process.finish():
+    def end(self, process: AgentProcess) -> None:
+        """End an agent in a match, and all processes that it started."""
+        if process in self._playing:
+            self._playing.remove(process)
             process.close()
-            return
-        self._waiting.append(process)
-        if len(self._waiting) > _MOST_WAITING:
+
+    def clear(self) -> None:
+        """End a match; processes that can play another match wait for it."""
+        for process in [*self._playing]:
+            if process.finish():
+                self._playing.remove(process)
+                self._waiting.append(process)
+            else:
+                self.end(process)
+        while len(self._waiting) > _MOST_WAITING:
             self._waiting.pop(0).close()
 
     def close(self) -> None:
-        """End the processes that wait, and remove the files that they wrote."""
-        while self._waiting:
-            self._waiting.pop().close()
+        """End all agents, and remove the files that they wrote."""
+        while processes := self._playing or self._waiting:
+            processes.pop().close()
 
 
 def sandbox_for(quotas: Quotas | None) -> AbstractContextManager[Sandbox | None]:
