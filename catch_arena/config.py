@@ -4,7 +4,7 @@ import dataclasses
 import hashlib
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any, Final, Literal, get_args
 
@@ -431,12 +431,16 @@ def _check_bounds(settings: Any, group: str = "") -> None:
     """Check each number whose type has bounds; `group` comes before its name in errors."""
     for setting in dataclasses.fields(settings):
         kind: Any = setting.type
-        if bounds := getattr(kind, "__metadata__", ()):
-            kinds, alone = get_args(kind.__origin__), (group + setting.name, getattr(settings, setting.name))
-            require = require_integer if isinstance(bounds[1], int) else _require_number
-            for name, value in _by_seat(settings, setting.name) if tuple[float, ...] in kinds else [alone]:
-                if value is not None or type(None) not in kinds:
-                    require(name, value, *bounds)
+        if not hasattr(kind, "__metadata__"):
+            continue
+        kinds = get_args(kind.__origin__) or (kind.__origin__,)
+        require = require_integer if int in kinds else _require_number
+        values: Iterable[tuple[str, Any]] = [(group + setting.name, getattr(settings, setting.name))]
+        if tuple[float, ...] in kinds:
+            values = _by_seat(settings, setting.name)
+        for name, value in values:
+            if value is not None or type(None) not in kinds:
+                require(name, value, *kind.__metadata__)
 
 
 def _by_seat(config: ArenaConfig, name: str) -> Iterator[tuple[str, Any]]:

@@ -37,7 +37,7 @@ class _PlayerLimits:
     hunters: int
     """Number of all hunters in the arena."""
     hunters_seen: int
-    """Largest number of hunters in view, without this one (R7.1, R12.4)."""
+    """Largest number of hunters in view, the viewer not counted (R7.1, R12.4)."""
     prey: int = 0
     """Number of all prey in the arena: targets that agents play (R12.1)."""
 

@@ -338,9 +338,11 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         if not isinstance(saved, SavedEpisode):
             raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
-        if list(saved.possible_agents) != self.possible_agents:
-            got = shortened(list(saved.possible_agents))
-            raise ConfigError(f"saved must come from an env with the agents {self.possible_agents}, got {got}")
+        names = list(saved.possible_agents)
+        if len(names) == len(self.possible_agents) and names != self.possible_agents:  # else the configs differ
+            raise ConfigError(
+                f"saved must come from an env with the agents {self.possible_agents}, got {shortened(names)}"
+            )
         self._engine.restore(saved.arena, 0)
         self._seed, self.agents = saved.seed, list(saved.agents)
         self._withdrawn, self._truncated = set(saved.withdrawn), saved.truncated

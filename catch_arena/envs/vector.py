@@ -215,6 +215,7 @@ class VectorArena:
             seeds = batch_seeds(arena_seed(seed), self.num_envs)[chosen]
         self._engine.reset(seeds, chosen)
         self._has_begun = True
+        self._ended[chosen] = False
         return self._reset_results()
 
     def place(
@@ -260,10 +261,10 @@ class VectorArena:
         hunters = _bodies("hunters", hunters, (len(chosen), config.hunters, config.hunters), of_hunters)
         targets = _bodies("targets", targets, (len(chosen), 0, config.max_targets), of_targets)
         self._engine.place_batch(chosen, hunters, targets, played)
+        self._update_ends()
         return self._reset_results()
 
     def _reset_results(self) -> Begun:
-        self._update_ends()
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
     def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> StepResults:
@@ -354,13 +355,17 @@ class VectorArena:
     def _rows(self, arenas: ArrayLike | None) -> NDArray[np.int64]:
         if arenas is None:
             return np.arange(self.num_envs)
-        chosen = np.asarray(arenas)
+        try:
+            chosen = np.asarray(arenas)
+        except ValueError:  # rows of different lengths
+            chosen = np.array(None)
         if chosen.dtype == np.bool_ and chosen.shape == (self.num_envs,):
             return np.flatnonzero(chosen)
         numbers = chosen.ndim == 1 and (chosen.dtype.kind in "iu" or not chosen.size)
-        outside = not numbers or ((chosen < 0) | (chosen >= self.num_envs)).any()
-        if outside or len(np.unique(chosen)) < len(chosen):  # it would be unclear which of two seeds is meant
-            most, got = self.num_envs - 1, shortened(chosen.tolist())
+        wrong = chosen[(chosen < 0) | (chosen >= self.num_envs)].tolist() if numbers else [arenas]
+        repeated = numbers and len(np.unique(chosen)) < len(chosen)  # it would be unclear which of two seeds is meant
+        if wrong or repeated:
+            most, got = self.num_envs - 1, shortened(wrong[0] if wrong else chosen.tolist())
             raise ConfigError(f"arenas must be different rows from 0 to {most}, or a mask of {most + 1}, got {got}")
         return chosen.astype(np.int64)
 
@@ -385,6 +390,7 @@ class VectorArena:
             ConfigError: for anything that `save` of an equal config and number of arenas did not return.
         """
         self._engine.restore(saved)
+        self._update_ends()
         self._has_begun = True
         return self._reset_results()
 
@@ -402,6 +408,7 @@ class VectorArena:
             ConfigError: for a row that does not exist, and for anything but a saved row of an equal config.
         """
         self._engine.restore(saved, self._row("restore_row", arena))
+        self._update_ends()
         return self._reset_results()
 
     def clone(self) -> "VectorArena":

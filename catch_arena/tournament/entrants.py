@@ -109,6 +109,11 @@ def enter(specs: Sequence[str], inspect: Callable[[AgentSpec], Entrant] = inspec
         if (wrong := name_fault(name)) is not None:
             raise AgentError(f"{agent.spec!a}: {wrong}; give the file another name")
         entrant = inspect(agent)
-        prey_digest = enter([SHIPPED_PREY])[0].digest if entrant.needs_prey else entrant.digest
+        prey_digest = _shipped_prey().digest if entrant.needs_prey else entrant.digest
         entrants.append(replace(entrant, name=name, prey_digest=prey_digest))
     return tuple(entrants)
+
+
+@cache
+def _shipped_prey() -> Entrant:
+    return enter([SHIPPED_PREY])[0]

@@ -27,9 +27,6 @@ _STALL_S: Final = 1.0
 _WAIT_S: Final = 1.0 / 60.0
 """Time between two calls of `while_waiting` [s]."""
 
-_LATE: Final = Fault("FORFEIT_TIMEOUT", "", late=True)
-"""Fault of an agent that is late, before its reason is known."""
-
 _Reply = tuple[dict[str, Any], float, Fault | None]
 """Answer of an isolated agent: JSON object in its line (empty if there is a fault); time taken [s]; fault."""
 
@@ -163,6 +160,7 @@ class Players(AbstractContextManager["Players"]):
         """Start all isolated agents, and return their answers to the greeting."""
         if self._sandbox is None:
             return {}
+        self._sandbox.clear()  # processes of an earlier match of these players
         for seat, entrant in self._isolated.items():
             self._processes[seat] = self._sandbox.start(entrant.spec)
         lines = {seat: protocol.hello_line(entrant.side) for seat, entrant in self._isolated.items()}
@@ -224,12 +222,13 @@ class Players(AbstractContextManager["Players"]):
                 elif (received := process.read()) is not None:
                     poll.unregister(file)
                     fields, fault = _parse(doing, received, process)
-                    in_time = now <= due.pop(seat) or fault is not None
-                    replies[seat] = (fields if in_time else {}), now - sent_at[seat], (fault if in_time else _LATE)
+                    if now > due.pop(seat) and fault is None:
+                        fields, fault = {}, self._late(doing)
+                    replies[seat] = fields, now - sent_at[seat], fault
             for seat in [seat for seat, end in due.items() if now > end]:
                 del due[seat]
                 poll.unregister(self._processes[seat].answer_pipe)  # later answers are too late
-                replies[seat] = {}, now - sent_at[seat], _LATE
+                replies[seat] = {}, now - sent_at[seat], self._late(doing)
             if while_waiting is not None and due and now >= call_at:
                 try:
                     while_waiting()
@@ -242,17 +241,15 @@ class Players(AbstractContextManager["Players"]):
         for seat, (_, seconds, fault) in replies.items():
             if fault is ENDED:
                 replies[seat] = {}, seconds, Fault("FORFEIT_CRASH", f"{doing}: {self._end_of_process(seat)}")
-            elif fault is _LATE:
-                why = f"{doing} took longer than {self._limit_name(doing)}"
-                replies[seat] = {}, seconds, replace(fault, reason=why)
         return replies
 
-    def _limit_name(self, doing: str) -> str:
-        """Return the name of the limit that a late agent exceeds; reports count faults by these words."""
+    def _late(self, doing: str) -> Fault:
+        """Return the fault of an agent that exceeds a limit; reports count faults by these words."""
         init, step = f"init_s ({self._quotas.init_s:g} s)", f"step_ms ({self._quotas.step_ms:g} ms)"
+        limit = init if doing == "init" else f"what was left of {init}"
         if doing == "act":
-            return f"{step} and what was left of bank_s ({self._quotas.bank_s:g} s)"
-        return init if doing == "init" else f"what was left of {init}"
+            limit = f"{step} and what was left of bank_s ({self._quotas.bank_s:g} s)"
+        return Fault("FORFEIT_TIMEOUT", f"{doing} took longer than {limit}", late=True)
 
     def _end_of_process(self, seat: int) -> str:
         """End an agent that closed its answers, and return in words how its process ended.

@@ -45,6 +45,8 @@ CREATE TABLE match (
 )
 """
 """Tables; `played` is a `PlayedMatch` as JSON."""
+_INVALID: Final = (ValueError, TypeError, RecursionError)
+"""Errors of reading a value that no command has written; msgspec's are ValueErrors."""
 _BY_PARTY: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "forfeits", "thinking")
 
 
@@ -114,8 +116,9 @@ class Store:
             OtherTournamentError: if the folder's store is of another tournament.
         """
         path = folder / STORE
-        with suppress(OSError):  # SQLite reports the error below
-            path.touch(0o600)  # the file has the seeds of future matches
+        if not path.exists():
+            with suppress(OSError):  # SQLite reports the error below
+                path.touch(0o600)  # the file has the seeds of future matches
         store = cls(path, writable=True)
         with closing(store), only_one_plays_in(folder):
             store._begin(tournament, resume=resume)
@@ -167,7 +170,7 @@ class Store:
             config = ArenaConfig.from_dict(values.get("config"))  # type: ignore[arg-type]  # integers stay integers
             where = "table fact"
             return msgspec.convert(values | {"config": config}, Tournament)
-        except ValueError as error:  # also msgspec's
+        except _INVALID as error:
             raise self._damaged(f"{where}: {error}") from None
 
     @property
@@ -307,7 +310,7 @@ class Store:
         """Return a stored value; `where` names its table and row."""
         try:
             return msgspec.json.decode(text, type=kind)
-        except ValueError as error:  # msgspec's
+        except _INVALID as error:
             raise self._damaged(f"{where}: {error}") from None
 
     def _damaged(self, value: object) -> DamagedStoreError:

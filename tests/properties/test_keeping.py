@@ -217,7 +217,7 @@ def test_what_callers_write_into_does_not_change_what_is_saved():
 
 def test_what_an_aec_env_cannot_go_on_from_is_refused():
     """In the words of the parallel env, and nothing changes."""
-    env, other = catch_arena.env("duel"), catch_arena.env("duel", reach_m=0.2)
+    env, other = catch_arena.env("duel"), catch_arena.env("standard")
     with pytest.raises(EpisodeError, match=r"cannot call save\(\): no episode has begun; call reset\(\) first"):
         env.save()
     for one in (env, other):

@@ -98,6 +98,7 @@ FORGED = {
     "no facts": "DELETE FROM fact",
     "no config": "DELETE FROM fact WHERE name = 'config'",
     "a config of another kind": "UPDATE fact SET value = '[1]' WHERE name = 'config'",
+    "a config that nests deep": "UPDATE fact SET value = replace(hex(zeroblob(50000)), '0', '[') WHERE name = 'config'",
     "entrants of another kind": "UPDATE fact SET value = '{}' WHERE name = 'entrants'",
     "another ruleset": "UPDATE fact SET value = '\"catch_arena_v9\"' WHERE name = 'ruleset'",
     "no number of matches": "UPDATE fact SET value = 'x' WHERE name = 'planned'",

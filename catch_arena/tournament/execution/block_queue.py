@@ -46,6 +46,7 @@ def do_in_order(
     waiting = iter(tasks)
     begun: dict[_Task, Future[_Result]] = {}  # in the order of the tasks
     failures: Counter[_Task] = Counter()
+    rested: set[Future[_Result]] = set()  # those that had ended before the last pause: one is enough for all of them
     while True:
         running = sum(not future.done() for future in begun.values())
         room = min(executor.max_pending - running, executor.max_pending + _MOST_HELD - len(begun))
@@ -63,7 +64,9 @@ def do_in_order(
         except MatchFailedError as error:
             failures[first] += 1
             if failures[first] < _MOST_TRIES:
-                time.sleep(_PAUSE_S)
+                if begun[first] not in rested:
+                    time.sleep(_PAUSE_S)
+                    rested = {future for future in begun.values() if future.done()}
                 alone = failures[first] == _MOST_TRIES - 1
                 if alone:
                     wait(begun.values())

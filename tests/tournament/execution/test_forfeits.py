@@ -192,6 +192,23 @@ def test_a_task_that_failed_twice_is_done_alone_and_its_result_is_the_error(monk
     assert log == [*first, *again, "end d e", "bad", "end bad"]
 
 
+def test_one_pause_serves_all_tasks_that_fail_together(monkeypatch):
+    """As when a worker dies: the pool is broken for every task that was begun."""
+    pauses: list[float] = []
+    monkeypatch.setattr(block_queue, "time", SimpleNamespace(sleep=pauses.append))
+    tries: Counter[str] = Counter()
+
+    def begin(task):
+        tries[task] += 1
+        future: Future[str] = Future()
+        future.set_exception(MatchFailedError("no")) if tries[task] == 1 else future.set_result(task.upper())
+        return future
+
+    executor = SimpleNamespace(max_pending=3, result=lambda future: future.result())
+    assert list(do_in_order("abc", executor, begin)) == [("a", "A"), ("b", "B"), ("c", "C")]
+    assert len(pauses) == 1
+
+
 def test_a_slow_block_holds_the_rest_back_before_they_fill_the_memory():
     """While one block lasts, at most 256 later ones are played and held."""
     most: list[int] = []

@@ -227,6 +227,18 @@ def test_a_match_may_be_stopped_while_an_agent_hangs(sandbox, tmp_path):
     assert len(calls) == 3
 
 
+def test_players_that_begin_again_have_no_more_processes(sandbox):
+    """As when a ROS arena restarts its match."""
+    entrants = enter([alone("idle"), alone("first")], inspector(sandbox))
+    limits = [Limits.of(SHORT, seat) for seat in range(2)]
+    counts = []
+    with Players(entrants, sandbox) as players:
+        for seed in range(3):
+            assert players.reset([seed, seed], limits) == {}
+            counts.append(len(descendants(os.getpid())))
+    assert len(set(counts)) == 1
+
+
 def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
     sandbox.close()
     before = descendants(os.getpid())
