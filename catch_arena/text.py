@@ -91,5 +91,10 @@ def spreadsheet_cell(text: str) -> str:
     return f"'{text}" if text.startswith(_FORMULA) else text
 
 
+def counted(number: int, noun: str, plural: str | None = None) -> str:
+    """Return a number with its noun, whose plural ends in s if none is given: "1 case", "2 cases"."""
+    return f"{number} {noun if number == 1 else plural or noun + 's'}"
+
+
 def _letter(letter: str) -> str:
     return letter if letter.isprintable() else ascii(letter)[1:-1]

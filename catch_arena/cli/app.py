@@ -64,21 +64,22 @@ class _AllCommands(Commands):
                 sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False, "terminal_width": width}))
         except CatchArenaError as error:
             if not interrupts.was_interrupted():  # an error after Ctrl-C is expected
-                _print_error(str(error))
+                print_error(str(error))
         except _UsageError as error:
             context: Any = getattr(error, "ctx", None)
             if type(error).__name__ == "NoArgsIsHelpError":
                 echo(str(error))
             else:
                 text = " ".join(cast(Any, error).format_message().replace("Value error, ", "").split())
-                _print_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
+                print_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
         except OSError as error:
             with suppress(OSError):  # stderr may be full too
-                _print_error(_describe(error))
+                print_error(_describe(error))
         sys.exit(EXIT_ERROR)
 
 
-def _print_error(text: str, hint: str | None = None) -> None:
+def print_error(text: str, hint: str | None = None) -> None:
+    """Print an error, and what to do about it, to stderr."""
     echo(f"error: {text}", err=True)
     if hint:
         echo(f"hint: {hint}", err=True)

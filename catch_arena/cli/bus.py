@@ -37,7 +37,7 @@ RosArgs = Annotated[
     list[str] | None,
     typer.Option(
         _ROS_ARGS,
-        metavar="ARGS...",
+        metavar="ARGS",
         help="Parameters of the node, -p NAME:=VALUE, after all other options (see `catch-arena docs ros_names`).",
     ),
 ]

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Final
 import typer
 
 from catch_arena import interrupts
-from catch_arena.cli.app import main
+from catch_arena.cli.app import main, print_error
 from catch_arena.cli.options import Arena, Cores, Limit, Seed, print_level, quotas_of
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import CatchArenaError, ConfigError
@@ -98,7 +98,7 @@ def _run_again(run_once: Callable[[], None], pause_s: float) -> None:
         try:
             run_once()
         except (CatchArenaError, OSError) as error:
-            echo(f"catch-arena: {error}", err=True)
+            print_error(str(error))
 
 
 def _seconds(text: str) -> float:

@@ -85,7 +85,7 @@ def play(
     agents: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="AGENT...",
+            metavar="AGENT",
             help="Your rivals; if there are fewer rivals than seats, a rival plays several seats.",
             show_default=", ".join(_RIVALS),
         ),

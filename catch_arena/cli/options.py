@@ -30,7 +30,7 @@ _AGENT: Final = (
     "Name of a shipped agent (see `catch-arena agents`), package.module:Class, a .py file with a class Agent, a folder "
     "that contains agent.py, or cmd:COMMAND (see `catch-arena docs isolation`)."
 )
-Agents = Annotated[list[str], typer.Argument(metavar="AGENT...", help=_AGENT)]
+Agents = Annotated[list[str], typer.Argument(metavar="AGENT", help=_AGENT)]
 Agent = Annotated[str, typer.Argument(metavar="AGENT", help=_AGENT)]
 Recorded = Annotated[Path, typer.Argument(metavar="REPLAY", help="A recorded match.")]
 

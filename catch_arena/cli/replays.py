@@ -88,7 +88,7 @@ class Film(Picture):
 
 
 @main.command()
-def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE...", help="Recorded matches.")]) -> None:
+def verify(replays: Annotated[list[Path], typer.Argument(metavar="FILE", help="Recorded matches.")]) -> None:
     """Play recorded matches again, and compare every step.
 
     If a match does not play as recorded, the first different step is printed, and the exit code is 1. The exit code is

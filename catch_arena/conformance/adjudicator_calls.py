@@ -13,7 +13,7 @@ from typing import Any, Final
 from catch_arena.conformance.cases import ExpectedRuling
 from catch_arena.errors import reason
 from catch_arena.plain import whole_number
-from catch_arena.text import printable, shortened
+from catch_arena.text import counted, printable, shortened
 from catch_arena.verdicts import Ruling, Verdict
 
 _EVIDENCE: Final = ("distance_um", "winner")
@@ -130,11 +130,6 @@ def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruli
     must = f"{counted(len(expected), 'ruling')}, one for each request, in their order"
     rule = "An answer is a list with one ruling for each request, in their order (`catch-arena docs conformance`)."
     raise DiffersError(NoRuling("the answer", must, got, looks_like, rule))
-
-
-def counted(number: int, noun: str) -> str:
-    """Return a number with its noun, whose plural ends in s: "1 case", "2 cases"."""
-    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def describe_request(place: int, request: ExpectedRuling) -> str:

@@ -6,10 +6,9 @@ from functools import cached_property
 from typing import Final
 from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
-from catch_arena.conformance.adjudicator_calls import counted
 from catch_arena.conformance.comparison import Compared
 from catch_arena.conformance.results import Diagnosis, Failure, Result, diagnose, wrapped
-from catch_arena.text import printable, printable_lines
+from catch_arena.text import counted, printable, printable_lines
 
 _MOST_LINES: Final = 44
 """Length of the diagnoses that a report has in full [lines]: with the rest it fits on a page."""

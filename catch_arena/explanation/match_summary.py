@@ -21,7 +21,6 @@ from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, team_label, with_seat
 from catch_arena.explanation.sentences import (
     contest_sentence,
-    counted,
     listed,
     prey_sentence,
     request_phrase,
@@ -29,6 +28,7 @@ from catch_arena.explanation.sentences import (
     target_label,
 )
 from catch_arena.replay import Replay
+from catch_arena.text import counted
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 

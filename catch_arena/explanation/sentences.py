@@ -8,6 +8,7 @@ from catch_arena.explanation.facts import Claim, Contest, HunterSummary, PreySum
 from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import with_seat
 from catch_arena.replay.named_requests import describe_name
+from catch_arena.text import counted
 from catch_arena.verdicts import Verdict
 
 _DECISIONS: Final = {
@@ -125,8 +126,3 @@ def listed(words: Iterable[str]) -> str:
     """Return words as a list, such as «a, b and c»."""
     *first, last = words
     return f"{', '.join(first)} and {last}" if first else last
-
-
-def counted(count: int, singular: str, plural: str | None = None) -> str:
-    """Return a number with its noun."""
-    return f"{count} {singular if count == 1 else plural or singular + 's'}"

@@ -14,14 +14,13 @@ from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, with_seat
 from catch_arena.explanation.sentences import (
     contest_sentence,
-    counted,
     listed,
     request_phrase,
     target_label,
 )
 from catch_arena.plain import as_python, real_number, whole_number
 from catch_arena.replay import Replay
-from catch_arena.text import with_type
+from catch_arena.text import counted, with_type
 
 _MOST_UNSEEN: Final = 3
 

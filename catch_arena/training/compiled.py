@@ -27,7 +27,7 @@ Decide = Callable[[Any], Any]
 
 
 class _Seen(NamedTuple):
-    """Replacement for a `View` in compiled code; `targets` and `rivals` are arrays of records."""
+    """Replacement for a `View` in compiled code: the fields of `SelfFeatures`, arrays of records, and the limits."""
 
     x: float
     y: float
@@ -37,6 +37,8 @@ class _Seen(NamedTuple):
     angular_velocity: float
     time_left: float
     score: float
+    distance_integral: float
+    bearing_integral: float
     targets: Any
     rivals: Any
     limits: Any
@@ -121,6 +123,8 @@ def _act_all(
             np.float64(seen[row, _OWN.angular_velocity]),
             np.float64(seen[row, _OWN.time_left]),
             np.float64(seen[row, _OWN.score]),
+            np.float64(seen[row, _OWN.distance_integral]),
+            np.float64(seen[row, _OWN.bearing_integral]),
             target_records[:target_count],
             rival_records[:rival_count],
             limits,

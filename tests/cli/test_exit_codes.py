@@ -27,7 +27,7 @@ def test_a_wrong_option_of_any_command_is_an_error_and_a_hint(words, columns):
 @pytest.mark.parametrize(
     ("words", "error"),
     [
-        (["tournament"], "missing argument 'AGENT...'"),
+        (["tournament"], "missing argument 'AGENT'"),
         (["grade", "x"], "missing option '--spec'"),
         (["tournament", "a", "--rounds", "abc"], "invalid value for '--rounds': "),
         (["tournament", "a", "--jobs", "1.5"], "invalid value for '--jobs' / '-j': "),

@@ -427,7 +427,7 @@ def test_a_league_that_runs_again_and_again_outlives_an_error(folder, monkeypatc
     monkeypatch.setattr(league_command.time, "sleep", sleep)
     done = league(folder, "--every", "15m")
     assert done.exit_code == 0
-    assert "catch-arena: the disk is full" in done.output
+    assert "error: the disk is full" in done.output
     assert (len(runs), pauses) == (3, [900.0] * 3)
 
 

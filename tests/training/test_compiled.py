@@ -20,6 +20,7 @@ def everything(view):
     """A number that depends on all that may be read, and one that depends on the limits."""
     total = view.x + 2 * view.y + 3 * view.heading_cos + 4 * view.heading_sin + 5 * view.linear_velocity
     total += view.angular_velocity + view.time_left + view.score
+    total += 6 * view.distance_integral + 7 * view.bearing_integral
     for place, target in enumerate(view.targets):
         total += (place + 1) * part(target.forward, target.left, target.age)
         total += part(target.heading_cos, target.heading_sin, target.linear_velocity) + target.active

@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.config import TURTLESIM_SIDE_M
-from catch_arena.conformance.adjudicator_calls import NoRuling, counted, describe_request
+from catch_arena.conformance.adjudicator_calls import NoRuling, describe_request
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, ArenaCase, ExpectedRuling
 from catch_arena.conformance.comparison import REFUSED, compare
 from catch_arena.conformance.report import Report
@@ -20,6 +20,7 @@ from catch_arena.errors import BusError, ConfigError
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.ros.node_tests.node_under_test import ANSWER_S, NodeUnderTest, Place
 from catch_arena.testing import select_cases
+from catch_arena.text import counted
 from catch_arena.tournament.grading import TestGrade
 from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 from catch_arena.verdicts import Ruling, Verdict
