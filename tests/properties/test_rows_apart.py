@@ -72,7 +72,12 @@ CONFIGS = {
         "initial_targets": 2,
         "spawn_frequency_hz": 9.0,
     },
-    "a budget": {"target_budget": 5, "initial_targets": 2, "spawn_frequency_hz": 9.0},
+    "a budget and faults": {
+        "target_budget": 5,
+        "initial_targets": 2,
+        "spawn_frequency_hz": 9.0,
+        "faults": {"spawn_down": 0.3, "spawn_refused": 0.2},
+    },
     "wide views": {"initial_targets": 9, "view_angle_deg": 350.0, "spawning": False},
 }
 """Much happens in each."""
