@@ -46,7 +46,8 @@ class Pair(NamedTuple):
 
 
 def similar_pairs(submissions: Sequence[Submission]) -> list[Pair]:
-    """Return the pairs of submissions that are equal or nearly equal, the most similar first."""
+    """Return the pairs of submissions that are equal or nearly equal, the most similar first; empty ones have none."""
+    submissions = [one for one in submissions if one.files]
     digests = {one.name: one.digest() for one in submissions}
     kit = frozenset[tuple[str, ...]]().union(*map(_pieces, kit_programs()))
     shapes = {one.name: _shape(one) - kit for one in submissions}

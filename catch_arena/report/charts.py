@@ -16,6 +16,8 @@ from catch_arena.verdicts import Verdict
 
 _TICKS: Final = 5
 _BINS: Final = 40
+_ROUNDING: Final = 1e-9
+"""Largest difference of values, as a share of them, that is due to rounding."""
 _LONG: Final = 10_000
 """Least number that is written in groups of three digits."""
 
@@ -33,7 +35,8 @@ class Axis:
         """Return an axis with round ends that holds all values; values that are not finite are left out."""
         known = [value for value in values if math.isfinite(value)]
         low, high = min(known, default=0.0), max(known, default=0.0)
-        step = _round_step((high - low) / _TICKS)
+        equal = high - low <= _ROUNDING * max(abs(low), abs(high))
+        step = 1.0 if equal else _round_step((high - low) / _TICKS)
         first, last = math.floor(low / step), max(math.ceil(high / step), math.floor(low / step) + 1)
         ticks = tuple(step * number for number in range(first, last + 1))
         return cls(ticks[0], ticks[-1], ticks)
@@ -51,9 +54,7 @@ class Axis:
 
 
 def _round_step(smallest: float) -> float:
-    """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `smallest`; 1 if `smallest` is not positive."""
-    if smallest <= 0.0:
-        return 1.0
+    """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `smallest`, which is above 0."""
     power = 10.0 ** math.floor(math.log10(smallest))
     return next(power * digit for digit in (1.0, 2.0, 5.0, 10.0) if power * digit >= smallest * (1.0 - 1e-9))
 

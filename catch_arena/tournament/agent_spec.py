@@ -170,13 +170,19 @@ def digest_of_files(files: Iterable[tuple[str | Path, Path]], size: int) -> "has
 
 def _resolve_path(word: str, path: Path) -> AgentSpec:
     if path.is_dir():
+        if path.suffix == ".py":
+            raise AgentError(f"{word}: is a folder, and its name must not end in .py")
+        if Path("/tmp").is_relative_to(path):  # noqa: S108
+            why = "holds all temporary files, and an agent sees its whole folder"
+            raise AgentError(f"{word}: {why}: move {IN_FOLDER} into a folder of its own")
         if not (path / IN_FOLDER).is_file():
             raise AgentError(f"{word}: is a folder without {IN_FOLDER}, which holds the class Agent")
         if (path / IN_FOLDER).is_symlink():
             raise AgentError(f"{word}: its {IN_FOLDER} is a link, and an isolated agent sees only its folder: copy it")
         return AgentSpec(str(path), tuple(map(composed, path.parts[1:])), _digest_of_folder(path))
     if not path.is_file():
-        raise AgentError(f"{word}: {'is a link that leads to no file' if path.is_symlink() else 'no such file'}")
+        other = "is no regular file" if path.exists() else "no such file"
+        raise AgentError(f"{word}: {'is a link that leads to no file' if path.is_symlink() else other}")
     content = path.read_bytes()
     if path.suffix == ".ipynb" or (content.lstrip().startswith(b"{") and b'"cells"' in content):
         raise AgentError(f"{word}: is a notebook; save the code of its agent as a .py file with a class Agent")

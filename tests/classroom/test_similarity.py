@@ -28,6 +28,12 @@ def renamed(text):
     return "# my own work\n" + re.sub(r"\b2\.0\b", "2.5", text).replace("\n\n", "\n\n\n")
 
 
+def test_people_who_handed_in_nothing_have_not_copied(tmp_path):
+    for name in ("ann", "ben"):
+        (tmp_path / name).mkdir()
+    assert similar_pairs(find_submissions(tmp_path)[0]) == []
+
+
 @pytest.mark.parametrize("change", [lambda text: text, renamed, lambda text: text.replace("\n", "\r\n")])
 def test_a_copy_is_noticed_under_other_names(tmp_path, change):
     files = {"ann": ORIGINAL, "ben": change(ORIGINAL), "cem": (AGENTS / "patrol.py").read_text()}

@@ -93,6 +93,18 @@ def test_what_a_tournament_writes_from_its_store_is_made_anew(played):
         assert path.read_bytes() == before
 
 
+def test_a_tournament_does_not_write_into_the_folder_of_an_agent():
+    """The agent would see the store, and its digest would change."""
+    Path("mine").mkdir()
+    Path("mine/agent.py").write_text("from catch_arena.agents.idle import Agent\n")
+    refused = run("tournament", "mine", "idle", "--rounds", "1", *QUICK, "--out", "mine/out")
+    assert refused.exit_code == 2
+    assert refused.stderr.endswith(
+        "error: mine/out: lies in the folder of agent mine, which sees all files there; choose another folder\n"
+    )
+    assert not Path("mine/out").exists()
+
+
 def test_a_tournament_writes_into_a_folder_of_another_origin_only_if_force_is_given():
     """A folder without a store has nothing that was made from one, so that it would be lost."""
     words = ["tournament", "nearest", "idle", "--rounds", "1", *QUICK, "--jobs", "1", "--record", "--out", "other"]

@@ -30,6 +30,15 @@ def data(tmp_path_factory):
     return ReportData.of(folder)
 
 
+@pytest.mark.parametrize("value", [182.63109783843828, 1e-3, 1e6])
+def test_values_that_differ_by_rounding_are_equal_on_an_axis(value):
+    """As ratings of agents that all forfeited."""
+    low, high = value, math.nextafter(value, math.inf)
+    axis = Axis.over([low, high])
+    assert axis.high - axis.low == 1.0
+    assert axis.at(low) == axis.at(high)
+
+
 @given(st.lists(st.floats(-1e6, 1e6).map(lambda value: round(value, 6)), max_size=8))
 def test_an_axis_holds_all_values_between_round_ends(values):
     axis = Axis.over([*values, NAN])

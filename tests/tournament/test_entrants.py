@@ -128,6 +128,8 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
             "agent.txt: must be a .py file or a folder with agent.py; other programs are given as cmd:COMMAND",
         ),
         ("empty", "empty: is a folder without agent.py, which holds the class Agent"),
+        ("folder.py", r"folder\.py: is a folder, and its name must not end in \.py"),
+        ("/", r"^/: holds all temporary files, and an agent sees its whole folder: move agent\.py into a folder"),
         ("linked", r"linked: its agent\.py is a link, and an isolated agent sees only its folder: copy it"),
         ("loop.py", "loop.py: is a link that leads to no file"),
         ("cmd:./dos.sh", "./dos.sh: its lines end as on Windows"),
@@ -168,7 +170,8 @@ def test_a_word_that_stands_for_nothing_is_explained(tmp_path, monkeypatch, spec
     }.items():
         (tmp_path / name).write_bytes(content.encode("latin-1"))
         (tmp_path / name).chmod(0o644 if name == "plain.sh" else 0o755)
-    (tmp_path / "empty").mkdir()
+    for folder in ("empty", "folder.py"):
+        (tmp_path / folder).mkdir()
     (tmp_path / "loop.py").symlink_to("loop.py")
     (tmp_path / "linked").mkdir()
     (tmp_path / "linked" / "agent.py").symlink_to(tmp_path / "helpers.py")

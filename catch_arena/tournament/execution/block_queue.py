@@ -142,5 +142,5 @@ def play_blocks(blocks: Iterable[Block], executor: Executor, streaks: ForfeitStr
         if isinstance(matches, MatchFailedError):
             why = f"match {block[0].id} or another one of its block failed {_MOST_TRIES} times: {matches}"
             raise MatchFailedError(why)
-        yield matches
+        yield matches  # the caller stores them before their forfeits count
         streaks.add(played for played, _ in matches)

@@ -7,9 +7,10 @@ from itertools import islice
 from pathlib import Path
 from typing import Final
 
-from catch_arena.errors import DamagedStoreError
+from catch_arena.errors import ConfigError, DamagedStoreError
 from catch_arena.files import prepare_folder, unwritable, write_whole
 from catch_arena.policy import Side
+from catch_arena.tournament.agent_spec import folder_of
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import ForfeitStreaks, play_blocks
 from catch_arena.tournament.execution.executors import Executor, Worker
@@ -54,9 +55,15 @@ class Setup:
         """Make the folder and open its store; without `resume` the store must not have a plan yet.
 
         Raises:
+            ConfigError: if the folder lies in that of an agent.
             OutputError: if the folder cannot be written.
             StoreError, OtherTournamentError: see `Store.begin`.
         """
+        for entrant in self.worker.entrants:
+            own = folder_of(entrant.spec)
+            if own is not None and self.folder.resolve().is_relative_to(own.resolve()):
+                why = f"lies in the folder of agent {entrant.name}, which sees all files there"
+                raise ConfigError(f"{self.folder}: {why}; choose another folder")
         prepare_folder(self.folder / REPLAYS if self.worker.record else self.folder)
         return Store.begin(self.tournament, self.folder, resume=resume)
 

@@ -85,8 +85,9 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
     _confine(allowed, namespaced=namespaced)
     writable = [Path(folder), SHARED] if namespaced else [Path(folder)]
     kept = {path for place in writable for path in _contents_of(place)}
+    working = Path(folder, ".match")
+    _enter_folder(working)
     os.write(out, protocol.STARTED)
-    _enter_folder(Path(folder, "match"))
     if (command := command_of(spec)) is not None:
         _limit_cpu(allowed.cpu_s)
         _become_command(command, into, out)
@@ -102,7 +103,7 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
     poll = select.poll()
     poll.register(into, select.POLLIN)
     while poll.poll()[0][1] & select.POLLIN:
-        _enter_folder(Path(folder, "match"))
+        _enter_folder(working)
         _flush()
         parent, child = os.getpid(), os.fork()
         if child == 0:

@@ -196,10 +196,10 @@ def test_what_it_writes_is_bounded_and_gone_with_the_match(level, evaluate):
     with Sandbox(Quotas(isolation=level, file_mib=2, **FREE)) as sandbox:
         before, *full, _ = evaluate(
             sandbox,
-            "[[str(path) for path in Path(place).rglob('*')] for place in ('/tmp/match', '/dev/shm')]",
-            "[Path(f'/tmp/match/{n}').write_bytes(bytes(1 << 20)) for n in range(3)]",
+            "[[str(path) for path in Path(place).rglob('*')] for place in ('/tmp/.match', '/dev/shm')]",
+            "[Path(f'/tmp/.match/{n}').write_bytes(bytes(1 << 20)) for n in range(3)]",
             "[Path(f'/dev/shm/{n}').write_bytes(bytes(1 << 20)) for n in range(3)]",
-            "(os.makedirs('/tmp/match/a/b'), os.chmod('/tmp/match/a', 0), Path('/tmp/x').touch())",
+            "(os.makedirs('/tmp/.match/a/b'), os.chmod('/tmp/.match/a', 0), Path('/tmp/x').touch())",
             matches=2,
         )
     assert before == [[], []]
