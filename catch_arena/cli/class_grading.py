@@ -24,6 +24,7 @@ from catch_arena.tournament.grading_spec import GradingSpec
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.players import inspector
+from catch_arena.tournament.store import only_one_plays_in
 
 _Grading = tuple[Callable[[Submission], Graded], str, Executor]
 """Function that grades a submission, digest of all else that a grade depends on, and executor of the function."""
@@ -58,6 +59,7 @@ def grade_folder(
     graded: dict[str, Graded] = {}
     before = 0
     with (
+        only_one_plays_in(out),
         noting_kept_results("what was graded is kept; the same command continues"),
         opened as executor,
         progress_bar("grading", len(submissions)) as show,

@@ -28,6 +28,7 @@ from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.grading import GradedMatch
 from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.store import only_one_plays_in
 
 SPEC = """
 title = "Exercise 1"
@@ -216,6 +217,15 @@ def test_only_what_changed_is_graded_again(graded, tmp_path):
     (tmp_path / "class" / "hang.py").unlink()
     (tmp_path / "spec.toml").write_text(SPEC.replace("points = 2", "points = 4").replace("matches = 2", "matches = 1"))
     assert "as graded before" not in call(*words).stdout
+
+
+def test_only_one_command_grades_into_a_folder(tmp_path):
+    write_class(tmp_path, {"a.py": GOOD})
+    (tmp_path / "out").mkdir()
+    with only_one_plays_in(tmp_path / "out"):
+        refused = call(tmp_path / "class", "--spec", tmp_path / "spec.toml", "--out", tmp_path / "out")
+    assert refused.exit_code == 2
+    assert "out: another command is playing in this folder" in refused.stderr
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
