@@ -12,7 +12,7 @@ from catch_arena.classroom.student_page import student_page
 from catch_arena.classroom.submissions import Submission, find_submissions
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.hand_ins import ClassOptions
-from catch_arena.cli.options import Trust, print_level
+from catch_arena.cli.options import Trust, print_level, require_isolation
 from catch_arena.cli.outputs import require_free
 from catch_arena.cli.terminal import echo, noting_kept_results, progress_bar
 from catch_arena.errors import ConfigError
@@ -86,6 +86,7 @@ def _agent_grading(exercise: GradingSpec, students: ClassOptions, trust: Trust, 
     quotas = trust.quotas()
     if quotas is None:
         raise ConfigError("--trusted must be left out with a class: one submission that hangs would stop all others")
+    require_isolation("grading of a class")
     if not exercise.has_seed:
         raise ConfigError(
             f"{exercise.path}: a class needs seed or seed_file, so that all students play the same matches"

@@ -12,7 +12,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import main, print_error
-from catch_arena.cli.options import Arena, Cores, Limit, Seed, print_level, quotas_of
+from catch_arena.cli.options import Arena, Cores, Limit, Seed, print_level, quotas_of, require_isolation
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.tournament.secret import Secret
@@ -58,6 +58,7 @@ def league(
     """
     from catch_arena.league.update import Rules
 
+    require_isolation("a league")
     quotas = quotas_of(limit)
     pause_s = None if every is None else _seconds(every)
     print_level(quotas, ["an entry"])

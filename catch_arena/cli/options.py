@@ -1,6 +1,7 @@
 """Options that several commands share, and their values."""
 
 import json
+import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from itertools import count
@@ -257,6 +258,12 @@ def print_seed(secret: Secret) -> None:
     """Print the seed, with which others can repeat all random draws."""
     warning = "" if secret.number is None else f" (from {secret.number}, which agents can guess)"
     echo(f"seed: {secret.digits}{warning}")
+
+
+def require_isolation(subject: str) -> None:
+    """Raise a ConfigError on Windows, for a command whose agents cannot be trusted."""
+    if not hasattr(os, "fork"):
+        raise ConfigError(f"{subject} isolates its agents, which works on Linux and macOS only: use WSL")
 
 
 def print_level(quotas: Quotas | None, specs: Iterable[str]) -> None:

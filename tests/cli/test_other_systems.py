@@ -130,6 +130,19 @@ def test_an_agent_in_a_file_gets_one_line(folder, words):
     assert done.stderr.count("\n") == 1
 
 
+@pytest.mark.parametrize(
+    ("words", "subject"),
+    [
+        (["league", "."], "a league"),
+        (["grade", ".", "--spec", "spec.toml", "--out", "../graded"], "grading of a class"),
+    ],
+)
+def test_a_command_that_trusts_nobody_says_that_it_needs_another_system(folder, words, subject):
+    done = run(folder, *words)
+    assert done.returncode == 2
+    assert done.stderr == f"error: {subject} isolates its agents, which works on Linux and macOS only: use WSL\n"
+
+
 @pytest.fixture(scope="module")
 def mac(tmp_path_factory):
     """Return a folder with `python`, which runs each process of a command as on macOS: workers and agents too."""
