@@ -4,6 +4,7 @@ ros/nodes plays on it.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,7 +52,7 @@ class ArenaService:
             raise ConfigError("observed_targets cannot be set: ArenaService sets it to max_targets; leave it out")
         config = arena_config(scenario, **overrides)
         self._engine = Engine(config.replace(control=control, observed_targets=config.max_targets))
-        self.config = self._engine.config
+        self.config: Final = self._engine.config
         """Settings of the arena, including those that the service sets."""
         self._seed: int | None = None
         self._appeared: set[str] = set()

@@ -26,6 +26,8 @@ LADDER: Final = "ladder."
 """Prefix of the names of frozen learned agents, which are in the package `catch_arena.agents.ladder`."""
 IN_FOLDER: Final = "agent.py"
 """Name of the file with the class `Agent`, if an agent is a folder."""
+TEMPORARY: Final = Path("/tmp")  # noqa: S108
+"""Folder of temporary files; an agent in namespaces has one of its own in its place."""
 _ELSE: Final = f"a .py file, a folder with {IN_FOLDER}, package.module:Class, or {COMMAND}COMMAND"
 """Agents besides the shipped ones, in words for an error."""
 _WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
@@ -172,7 +174,7 @@ def _resolve_path(word: str, path: Path) -> AgentSpec:
     if path.is_dir():
         if path.suffix == ".py":
             raise AgentError(f"{word}: is a folder, and its name must not end in .py")
-        if Path("/tmp").is_relative_to(path):  # noqa: S108
+        if TEMPORARY.is_relative_to(path):
             why = "holds all temporary files, and an agent sees its whole folder"
             raise AgentError(f"{word}: {why}: move {IN_FOLDER} into a folder of its own")
         if not (path / IN_FOLDER).is_file():

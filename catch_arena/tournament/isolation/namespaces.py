@@ -18,11 +18,10 @@ from typing import Final
 
 import catch_arena.agents
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.agent_spec import command_of, file_of, folder_of
+from catch_arena.tournament.agent_spec import TEMPORARY, command_of, file_of, folder_of
 from catch_arena.tournament.isolation.quotas import Level
 
-TEMPORARY: Final = Path("/tmp")  # noqa: S108 - in a file system of its own
-SHARED: Final = Path("/dev/shm")  # noqa: S108
+SHARED: Final = Path("/dev/shm")  # noqa: S108 - in a file system of its own, as TEMPORARY
 _PROGRAM: Final = "bwrap"
 _UNPRIVILEGED_ID: Final = 65534
 _PROBE_S: Final = 20.0

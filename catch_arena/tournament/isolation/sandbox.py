@@ -15,9 +15,9 @@ from typing import Any, Final
 
 import catch_arena
 from catch_arena.errors import ConfigError, MatchFailedError
-from catch_arena.tournament.agent_spec import command_of
+from catch_arena.tournament.agent_spec import TEMPORARY, command_of
 from catch_arena.tournament.isolation import protocol
-from catch_arena.tournament.isolation.namespaces import TEMPORARY, available_level, bubblewrap_command, visible_paths
+from catch_arena.tournament.isolation.namespaces import available_level, bubblewrap_command, visible_paths
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.loading import module_folders
 from catch_arena.tournament.match import Fault
