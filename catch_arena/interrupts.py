@@ -1,9 +1,8 @@
 """Ctrl-C, SIGTERM and a closed terminal: the first signal ends a command in order, a second one immediately.
 
 The first signal raises KeyboardInterrupt in the main thread; the command saves its results, and ends its processes.
-Both print one line, exit with code 130 (143 for SIGTERM, 129 for a closed terminal), and end all descendants.
-
-This module imports little, since a signal before `listen` prints a traceback.
+Both print one line, exit with code 130 (143 for SIGTERM, 129 for a closed terminal), and end all descendants. This
+module imports little, since a signal before `listen` prints a traceback.
 """
 
 import os
@@ -30,7 +29,7 @@ class _Command:
     first_signal = 0  # its number, or 0
     is_running = False  # the command is running, so KeyboardInterrupt can be raised
     is_waiting = False  # an interrupt is the command's normal end
-    more = ""  # text for the line about an interrupt
+    more = ""  # end of the line about an interrupt
 
 
 def listen() -> None:
@@ -90,7 +89,7 @@ def was_interrupted() -> bool:
 
 def add_to_message(more: str) -> None:
     """Append a text to the line that is printed after a signal."""
-    _Command.more = more
+    _Command.more = f": {more}"
 
 
 def descendants(*roots: int) -> set[int]:
@@ -127,20 +126,21 @@ def _end() -> "NoReturn":
         if LINUX:
             _end_descendants()
         if _Command.status:
-            line = f"catch-arena: {_WORDS[signal.Signals(_Command.first_signal).name]}"
+            line = f"catch-arena: {_WORDS[signal.Signals(_Command.first_signal).name]}{_Command.more}"
             before = "\r\x1b[K\x1b[?25h" if os.isatty(2) else ""  # show a hidden cursor again
-            text = f"{line}: {_Command.more}" if _Command.more else line
-            os.write(2, f"{before}{text}\n".encode(errors="backslashreplace"))
+            os.write(2, f"{before}{line}\n".encode(errors="backslashreplace"))
     finally:
         os._exit(_Command.status)
 
 
 def _end_descendants() -> None:
     """End all descendants of this process: first by SIGTERM, a moment later by SIGKILL."""
-    with suppress(Exception):  # another system, or ctypes is half imported
+    with suppress(Exception):  # another system, or a module is missing or half imported
         from ctypes import CDLL
 
         CDLL(None).prctl(36, 1)  # PR_SET_CHILD_SUBREAPER: descendants whose parent ends become our children
+        # multiprocessing's own process, which ignores SIGTERM
+        os.kill(sys.modules["multiprocessing.resource_tracker"]._resource_tracker._pid, signal.SIGKILL)  # noqa: SLF001
     for number in (signal.SIGTERM, signal.SIGKILL):
         deadline = time.monotonic() + _GRACE_S
         while (left := descendants(os.getpid())) and time.monotonic() < deadline:
