@@ -120,7 +120,7 @@ def tournament(
     plan_with = partial(plan_of, form, len(entrants), parties, seed=secret, most=most)
     in_a_round = plan_with(1).size
     if in_a_round > most and (max_matches is not None or until_separated is not None):
-        raise ConfigError(f"--max-matches must be at least {in_a_round}, the matches of one round, got {most}")
+        raise ConfigError(f"--max-matches must be at least {in_a_round}, so that all play equally often, got {most}")
     if until_separated is None:
         plan, bound = plan_with(rounds), ""
     else:

@@ -23,9 +23,9 @@ QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
 @pytest.mark.parametrize("words", [["--rounds", "1"], ["--until-separated", "0.95"]])
 def test_a_round_never_has_more_matches_than_the_user_allows(tmp_path, monkeypatch, words):
     monkeypatch.chdir(tmp_path)
-    refused = run("tournament", *["idle"] * 12, *words, "--max-matches", "20")
+    refused = run("tournament", *["idle"] * 12, *words, "--max-matches", "11")
     assert refused.exit_code == 2
-    assert "--max-matches must be at least 48, the matches of one round, got 20" in refused.stderr
+    assert "--max-matches must be at least 12, so that all play equally often, got 11" in refused.stderr
 
 
 def test_a_tournament_writes_its_files_and_prints_the_table(catch_arena, tmp_path):

@@ -75,8 +75,9 @@ def plan_of(
         parties: the parties of the arena.
         rounds: None for the fewest in which each entrant plays ten blocks, so that its figures have intervals.
         seed: source of all draws; an integer in [0, 2^64) can be guessed.
-        most: largest number of matches in a round. If all groups need more, a sample is played: the fewest groups in
-            which all play equally often, with at least as many meetings as there are pairs (balanced_groups.py).
+        most: largest number of matches in a round. If all groups need more, a sample is played, in which all play
+            equally often: as many groups as fit, at least one sweep (balanced_groups.py), and no more than give as many
+            meetings as there are pairs.
 
     Raises:
         ConfigError: for an unknown format, a number of rounds out of range, too few entrants or too many matches.
@@ -88,10 +89,13 @@ def plan_of(
     if not free:
         raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {parties.group}")
     count, turns, subject = comb(others, free), 1, f"every {free} of {others} entrants"
+    parameters: dict[str, str | int | float] = {"format": wanted}
     sampled = count * parties.block_size > most
     if sampled:
-        count, turns = groups_in_sweep(others, free), sweeps_to_meet(others, free)
+        count, enough = groups_in_sweep(others, free), sweeps_to_meet(others, free)
+        turns = min(enough, max(1, most // (count * parties.block_size)))
         subject = f"balanced blocks of {entrants} entrants"
+        parameters = {"format": wanted if len(first) else "balanced"} | ({"sweeps": turns} if turns < enough else {})
     if rounds is None:
         rounds = ceil(_BLOCKS_OF_EACH * others / max(turns * count * free, 1))
     turns *= rounds
@@ -110,7 +114,7 @@ def plan_of(
                 players = (*first, *(player + len(first) for player in group))
                 yield block_of(players, secret, turn * count + index, f"r{turn + 1:05d}-g{index + 1:06d}", parties)
 
-    return Plan({"format": "balanced" if sampled and not first else wanted, "rounds": rounds}, size, blocks)
+    return Plan(parameters | {"rounds": rounds}, size, blocks)
 
 
 def round_robin(entrants: int, parties: Parties, rounds: int, seed: Secret | int) -> Plan:
@@ -142,7 +146,7 @@ def block_of(players: Sequence[int], secret: Secret, number: int, name: str, par
 class UntilSeparated(Plan):
     """Plan that ends after the first stage, of whole rounds, whose standings have a clear order.
 
-    The number of rounds is not one of its parameters: a resumed tournament may raise it.
+    The number of matches is not one of its parameters: a resumed tournament may raise it.
 
     Args:
         plan: with the largest number of rounds.
@@ -157,8 +161,8 @@ class UntilSeparated(Plan):
     def __init__(self, plan: Plan, entrants: Sequence[Entrant], parties: Parties, confidence: float) -> None:
         if not 0.5 <= confidence < 1:
             raise ConfigError(f"confidence must lie in [0.5, 1), such as 0.95, got {confidence}")
-        kept = {name: value for name, value in plan.parameters.items() if name != "rounds"}
-        super().__init__({**kept, "until_separated": confidence}, plan.size, plan.blocks)
+        kept = {"format": plan.parameters["format"], "until_separated": confidence}
+        super().__init__(kept, plan.size, plan.blocks)
         self._round = plan.size // parties.block_size // int(plan.parameters["rounds"])
         self._entrants, self._parties = entrants, parties
         # with two orders, each gets half of the allowed error
