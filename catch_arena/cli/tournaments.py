@@ -203,8 +203,9 @@ def compare(
         typer.Option(metavar="AGENT", help="Opponent of both A and B; may be repeated."),
     ] = None,
     arena: Duel,
-    elo0: Annotated[float, typer.Option(help="H0: A is stronger by this number of rating points.")] = 0.0,
-    elo1: Annotated[float, typer.Option(help="H1: A is stronger by this number of rating points.")] = 20.0,
+    elo1: Annotated[
+        float, typer.Option(help="H1: A is stronger by this number of rating points; H0 is that both are equal.")
+    ] = 20.0,
     max_blocks: Annotated[int, typer.Option(help="Stop undecided after this number of blocks.")] = 2000,
     seed: Seed = None,
     jobs: Jobs = None,
@@ -219,9 +220,9 @@ def compare(
 
     config, quotas = arena.config(), trust.quotas()
     secret = Secret.of(None) if seed is None else Secret.parse(seed)
-    if not elo0 < elo1:
-        raise ConfigError(f"--elo1 must be above --elo0, got {elo1:g} and {elo0:g}")
-    test = Sprt(share_of_elo(elo0), share_of_elo(elo1))
+    if not elo1 > 0.0:
+        raise ConfigError(f"--elo1 must be above 0, got {elo1:g}")
+    test = Sprt(share_of_elo(0.0), share_of_elo(elo1))
     entrants = enter_agents([*agents, *(against or ())], quotas)
     print_missing_prey(entrants, config)
     first, second, *_ = (entrant.name for entrant in entrants)
@@ -247,7 +248,7 @@ def compare(
     echo(f"share of {first}: {_describe(found.share)}")
     echo(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
-        f"H0 is {elo0:+.0f} points, H1 {elo1:+.0f}"
+        f"H0 is +0 points, H1 {elo1:+.0f}"
     )
     verdicts = {
         "H1": f"{first} is stronger than {second} (H1)",
@@ -316,16 +317,12 @@ def report(
 def export(
     folder: Folder,
     *,
-    output: Annotated[Path, output_option("File to write.")],
-    form: Annotated[
-        Literal["jsonl", "csv", "parquet"] | None,
-        typer.Option(
-            "--format",
-            metavar="FORMAT",
-            help="jsonl has a line for each match; csv and parquet have a row for each seat of each match.",
-            show_default="the ending of FILE",
+    output: Annotated[
+        Path,
+        output_option(
+            "File to write: .jsonl with a line for each match, .csv or .parquet with a row for each seat of each match."
         ),
-    ] = None,
+    ],
     force: Force = False,
     timing: Annotated[
         bool, typer.Option("--timing/--no-timing", help="Include the time per move, which differs between runs.")
@@ -336,10 +333,5 @@ def export(
 
     with Store.read(folder) as store:
         reserve_file(output, ".jsonl", ".csv", ".parquet", force=force)
-        named = output.suffix.lower().removeprefix(".")
-        if form not in {named, None}:
-            raise ConfigError(
-                f"--format must match the ending of the file's name, or be left out, got {form} for {output.name}"
-            )
-        write(store, named, output, timing=timing)
+        write(store, output, timing=timing)
         echo(f"{store.count_played()} of {store.count_planned()} matches: {output}")

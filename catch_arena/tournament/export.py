@@ -59,24 +59,23 @@ _ROWS: Final = 20_000
 """Number of rows of a Parquet file that are held in memory at a time."""
 
 
-def export(store: Store, form: str, path: Path, *, timing: bool = True) -> None:
+def export(store: Store, path: Path, *, timing: bool = True) -> None:
     """Write all played matches to a file.
 
     Args:
         store: holds the results.
-        form: jsonl, csv or parquet.
-        path: the file to write.
+        path: the file to write; its name ends in .jsonl, .csv or .parquet.
         timing: True to include times, which another run does not repeat.
 
     Raises:
-        ConfigError: for a format that is unknown, or needs a package that is not installed.
+        ConfigError: for another ending, or one whose format needs a package that is not installed.
         OutputError: if the file cannot be written.
         StoreError: if the results cannot be read.
     """
-    writers = {"jsonl": _write_jsonl, "csv": _write_csv, "parquet": _write_parquet}
-    require_choice("format", form, list(writers))
+    writers = {".jsonl": _write_jsonl, ".csv": _write_csv, ".parquet": _write_parquet}
+    require_choice("the ending of the file", path.suffix.lower(), list(writers))
     with whole_file(path) as file:
-        writers[form](store, file, timing)
+        writers[path.suffix.lower()](store, file, timing)
 
 
 def records(store: Store, *, timing: bool = True) -> Iterator[dict[str, Any]]:

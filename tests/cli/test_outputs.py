@@ -39,7 +39,7 @@ WRITERS = {
     "v.mp4": ["render", "{r}", "-o", "v.mp4", *SMALL],
     "v.gif": ["render", "{r}", "-o", "v.gif", *SMALL],
     "g.mp4": ["mosaic", "{o}/replays", "-o", "g.mp4", "--count", "1", "--speed", "8"],
-    "e.csv": ["export", "{o}", "--format", "csv", "-o", "e.csv"],
+    "e.csv": ["export", "{o}", "-o", "e.csv"],
     "grades.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--json", "grades.json"],
     "grades.xml": ["grade", "idle", "--spec", "{o}/../spec.toml", "--junit", "grades.xml"],
     "seeds.json": ["grade", "idle", "--spec", "{o}/../spec.toml", "--seeds", "seeds.json"],
@@ -134,7 +134,6 @@ def test_a_tournament_writes_into_a_folder_of_another_origin_only_if_force_is_gi
         (["-o", "m.jsonl"], b'{"match":'),
         (["-o", "m.CSV"], b"match,block,seed,"),
         (["-o", "m.parquet"], b"PAR1"),
-        (["-o", "m.csv", "--format", "csv"], b"match,block,seed,"),
     ],
 )
 def test_an_export_has_the_format_that_its_name_says(played, words, start):
@@ -148,15 +147,6 @@ def test_the_tilde_of_an_option_with_an_equals_sign_is_the_home_folder(tmp_path,
     (tmp_path / "home").mkdir()
     assert run("match", "nearest", "idle", *QUICK, "--output=~/m.replay").exit_code == 0
     assert (tmp_path / "home" / "m.replay").stat().st_size > 0
-
-
-def test_an_export_whose_name_and_format_contradict_is_refused(played):
-    refused = run("export", str(played / "o"), "-o", "hh.csv", "--format", "jsonl")
-    assert refused.exit_code == 2
-    assert refused.stderr == (
-        "error: --format must match the ending of the file's name, or be left out, got jsonl for hh.csv\n"
-    )
-    assert not Path("hh.csv").exists()
 
 
 @pytest.mark.parametrize(

@@ -63,11 +63,7 @@ def test_the_decision_does_not_depend_on_the_number_of_processes():
         (["nearest", "idle", "--elo1", "100"], 0, "nearest is stronger than idle \\(H1\\)"),
         (["idle", "nearest", "--elo1", "100"], 1, "idle is not stronger than nearest \\(H0\\)"),
         (["nearest", "contested", "--max-blocks", "2"], 3, "undecided after 2 blocks"),
-        (
-            ["idle", "nearest", "-s", "standard", "--elo0", "-70", "--elo1", "70", *["--against", "patrol"] * 3],
-            1,
-            "H0",
-        ),
+        (["idle", "nearest", "-s", "standard", "--elo1", "140", *["--against", "patrol"] * 3], 1, "H0"),
     ],
 )
 def test_the_command_says_what_it_found_and_its_exit_code_does_too(words, code, verdict):
@@ -89,7 +85,7 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
     ("words", "message"),
     [
         (["nearest"], "argument 'agents' takes 2 values"),
-        (["nearest", "idle", "--elo0", "30"], "--elo1 must be above --elo0, got 20 and 30"),
+        (["nearest", "idle", "--elo1", "0"], "--elo1 must be above 0, got 0"),
         (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),
         (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
         (

@@ -50,7 +50,7 @@ def report(folder):
 def export_all(folder):
     for form in ("jsonl", "csv"):
         with Store.read(folder) as store:
-            export(store, form, folder / f"matches.{form}")
+            export(store, folder / f"matches.{form}")
 
 
 def resume(folder):

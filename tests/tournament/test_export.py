@@ -36,8 +36,8 @@ def store():
 
 
 def test_a_line_of_json_says_all_that_is_known_of_a_match(store, tmp_path):
-    export(store, "jsonl", tmp_path / "m")
-    lines = [json.loads(line) for line in (tmp_path / "m").read_text().splitlines()]
+    export(store, tmp_path / "m.jsonl")
+    lines = [json.loads(line) for line in (tmp_path / "m.jsonl").read_text().splitlines()]
     assert [line["match"] for line in lines] == [match.id for match in PLAN]
     for line, match, played in zip(lines, PLAN, store.played(), strict=True):
         result = played.result
@@ -71,10 +71,10 @@ def test_a_line_of_json_says_all_that_is_known_of_a_match(store, tmp_path):
 
 def test_the_tables_have_a_row_for_each_seat_and_agree(store, tmp_path):
     for form in ("csv", "parquet"):
-        export(store, form, tmp_path / form)
-    with (tmp_path / "csv").open(newline="") as file:
+        export(store, tmp_path / f"m.{form}")
+    with (tmp_path / "m.csv").open(newline="") as file:
         rows = list(csv.DictReader(file))
-    table = parquet.read_table(tmp_path / "parquet").to_pylist()
+    table = parquet.read_table(tmp_path / "m.parquet").to_pylist()
     assert [{name: "" if value is None else str(value) for name, value in row.items()} for row in table] == rows
     assert list(rows[0]) == list(columns())
     assert [(row["match"], row["seat"]) for row in table] == [(match.id, seat) for match in PLAN for seat in (0, 1)]
@@ -87,25 +87,25 @@ def test_without_timing_another_run_gives_the_same_bytes(store, tmp_path, form):
     with new_store(FACTS) as other:
         play_plan(other, PLAN, Executor(Worker(CONFIG, ENTRANTS)))
         for one, name in ((store, "a"), (other, "b")):
-            export(one, form, tmp_path / name, timing=False)
-    assert (tmp_path / "a").read_bytes() == (tmp_path / "b").read_bytes()
-    assert b"longest_s" not in (tmp_path / "a").read_bytes()
+            export(one, tmp_path / f"{name}.{form}", timing=False)
+    assert (tmp_path / f"a.{form}").read_bytes() == (tmp_path / f"b.{form}").read_bytes()
+    assert b"longest_s" not in (tmp_path / f"a.{form}").read_bytes()
 
 
 def test_while_it_is_played_it_tells_no_seed_of_what_is_to_come(store, tmp_path):
     with new_store(FACTS) as under_way:
         under_way.set_planned(PLAN.size)
         under_way.add(list(store.played())[:2])
-        export(under_way, "jsonl", tmp_path / "m")
-    lines = [json.loads(line) for line in (tmp_path / "m").read_text().splitlines()]
+        export(under_way, tmp_path / "m.jsonl")
+    lines = [json.loads(line) for line in (tmp_path / "m.jsonl").read_text().splitlines()]
     assert [(line["block"], line["tournament_seed"]) for line in lines] == [(0, None), (0, None)]
 
 
 def test_what_cannot_be_is_one_line(store, tmp_path):
-    with pytest.raises(ConfigError, match="format must be one of jsonl, csv, parquet, got 'xlsx'"):
-        export(store, "xlsx", tmp_path / "m")
+    with pytest.raises(ConfigError, match="the ending of the file must be one of"):
+        export(store, tmp_path / "m.xlsx")
     with pytest.raises(OutputError, match="cannot be written: No such file"):
-        export(store, "csv", tmp_path / "missing" / "m")
+        export(store, tmp_path / "missing" / "m.csv")
     assert not list(tmp_path.iterdir())
 
 
@@ -116,6 +116,6 @@ def test_a_missing_extra_is_one_line(store, tmp_path, monkeypatch):
     with pytest.raises(
         ConfigError, match=re.escape("format parquet needs PyArrow: pip install '.[parquet]' in the clone")
     ):
-        export(store, "parquet", tmp_path / "m")
+        export(store, tmp_path / "m.parquet")
     with pytest.raises(ConfigError, match=re.escape("executor ray needs Ray: pip install '.[ray]' in the clone")):
         RayExecutor(None, 1)

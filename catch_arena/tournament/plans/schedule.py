@@ -95,7 +95,7 @@ def plan_of(
         count, enough = groups_in_sweep(others, free), sweeps_to_meet(others, free)
         turns = min(enough, max(1, most // (count * parties.block_size)))
         subject = f"balanced blocks of {entrants} entrants"
-        parameters = {"format": wanted if len(first) else "balanced"} | ({"sweeps": turns} if turns < enough else {})
+        parameters = {"format": wanted if first else "balanced"} | ({"sweeps": turns} if turns < enough else {})
     if rounds is None:
         rounds = ceil(_BLOCKS_OF_EACH * others / max(turns * count * free, 1))
     turns *= rounds

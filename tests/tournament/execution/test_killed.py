@@ -69,7 +69,7 @@ fourth that is not called leaves half of a block's replays, and a temporary file
 
 def exported(folder: Path) -> bytes:
     with Store.read(folder) as store:
-        export(store, "jsonl", folder / "matches.jsonl", timing=False)
+        export(store, folder / "matches.jsonl", timing=False)
     return (folder / "matches.jsonl").read_bytes()
 
 

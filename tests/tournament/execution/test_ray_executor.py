@@ -30,7 +30,7 @@ def played(folder, name: str, *words: str):
 
 def exported(folder) -> bytes:
     with Store.read(folder) as store:
-        export(store, "jsonl", folder / "matches.jsonl", timing=False)
+        export(store, folder / "matches.jsonl", timing=False)
     return (folder / "matches.jsonl").read_bytes()
 
 
