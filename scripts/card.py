@@ -25,6 +25,7 @@ from typing import Final
 
 from bench.machine import machine
 
+from catch_arena.cli.options import usable_cores
 from catch_arena.cli.tables import with_interval
 from catch_arena.cli.terminal import progress_bar
 from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError
@@ -33,7 +34,6 @@ from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TR
 from catch_arena.suite.measures import REFERENCES_FILE, AgentMeasures, facts_of, measure
 from catch_arena.suite.tournaments import play, tournaments
 from catch_arena.tournament.entrants import Entrant, enter
-from catch_arena.tournament.execution.executors import usable_cores
 from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.statistics.intervals import Estimate
 

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
 from dataclasses import fields, is_dataclass
+from importlib.metadata import version as version_of
 from inspect import Parameter, Signature, signature
 from pathlib import Path
 from typing import Annotated, Any, Final, NoReturn, TypeVar, cast
@@ -148,9 +149,7 @@ main = Program(
 
 def _show_version(wanted: bool) -> None:
     if wanted:
-        from importlib.metadata import version
-
-        echo(f"catch-arena {version('catch-arena')}")
+        echo(f"catch-arena {version_of('catch-arena')}")
         raise typer.Exit
 
 

@@ -12,13 +12,13 @@ from catch_arena.classroom.student_page import student_page
 from catch_arena.classroom.submissions import Submission, find_submissions
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.hand_ins import ClassOptions
-from catch_arena.cli.options import Trust, print_level, require_isolation
+from catch_arena.cli.options import Trust, print_level, require_isolation, usable_cores
 from catch_arena.cli.outputs import require_free
 from catch_arena.cli.terminal import echo, noting_kept_results, progress_bar
 from catch_arena.errors import ConfigError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.ros.node_tests.cases import cases_of
-from catch_arena.tournament.execution.executors import Executor, Worker, local_executor, usable_cores
+from catch_arena.tournament.execution.executors import Executor, Worker, local_executor
 from catch_arena.tournament.grading import enter_opponents
 from catch_arena.tournament.grading_spec import GradingSpec
 from catch_arena.tournament.isolation.quotas import Quotas

@@ -13,11 +13,11 @@ from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.options import (
     Agent,
+    Arena,
     ConditionalOptions,
     Jobs,
     SettingOption,
     Trust,
-    arena,
     print_level,
     scenario_option,
 )
@@ -49,7 +49,7 @@ def check_agent(
     """
     from catch_arena.tournament.agent_check import check_fitness
 
-    arenas = {name: arena(name, settings) for name in scenarios or SCENARIOS}
+    arenas = {name: Arena(name, settings).config() for name in scenarios or SCENARIOS}
     quotas = trust.quotas()
     errors = 0
     with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:

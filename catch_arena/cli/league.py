@@ -2,11 +2,9 @@
 
 import re
 import time
-from collections.abc import Callable
 from datetime import datetime, timezone
-from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Final
+from typing import Annotated, Final
 
 import typer
 
@@ -16,9 +14,6 @@ from catch_arena.cli.options import Arena, Cores, Limit, Seed, print_level, quot
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.tournament.secret import Secret
-
-if TYPE_CHECKING:
-    from catch_arena.league.update import Rules
 
 _UNITS_S: Final = {"s": 1, "m": 60, "h": 3600, "d": 86400}
 
@@ -56,7 +51,8 @@ def league(
 
     The same command goes on after a change or an interruption; no match is played twice. See `catch-arena docs league`.
     """
-    from catch_arena.league.update import Rules
+    from catch_arena.league.site import write_site
+    from catch_arena.league.update import Rules, update_league
 
     require_isolation("a league")
     quotas = quotas_of(limit)
@@ -64,42 +60,29 @@ def league(
     print_level(quotas, ["an entry"])
     rules = Rules(arena.config(), arena.scenario, quotas, precision, max_matches, secret_opponents)
     secret = None if seed is None else Secret.parse(seed)
-    run_once = partial(_run_once, folder, rules, cores, secret)
+    interrupts.add_to_message("what was played is kept; the same command goes on")
+
+    def run_once() -> None:
+        now = datetime.now(timezone.utc)
+        with progress_bar("playing until each has its place") as show:
+            league = update_league(
+                folder, rules, cores.number, cores.of, now=now, secret=secret, report=echo, on_progress=show
+            )
+        page = write_site(league)
+        echo(f"{league.new_matches} new matches")
+        echo(f"site: {page}")
+
+    def run_again(pause_s: float) -> None:
+        while True:
+            time.sleep(pause_s)
+            try:
+                run_once()
+            except (CatchArenaError, OSError) as error:  # the next run tries again
+                print_error(str(error))
+
     run_once()
     if pause_s is not None:
-        interrupts.run_until_signal(partial(_run_again, run_once, pause_s))
-
-
-def _run_once(folder: Path, rules: "Rules", cores: Cores, secret: Secret | None) -> None:
-    """Run a league once, and print what is new and where its pages are."""
-    from catch_arena.league.site import write_site
-    from catch_arena.league.update import update_league
-
-    interrupts.add_to_message("what was played is kept; the same command goes on")
-    with progress_bar("playing until each has its place") as show:
-        league = update_league(
-            folder,
-            rules,
-            cores.number,
-            cores.of,
-            now=datetime.now(timezone.utc),
-            secret=secret,
-            report=echo,
-            on_progress=show,
-        )
-    page = write_site(league)
-    echo(f"{league.new_matches} new matches")
-    echo(f"site: {page}")
-
-
-def _run_again(run_once: Callable[[], None], pause_s: float) -> None:
-    """Run a league again and again; an error is printed, and the next run tries again."""
-    while True:
-        time.sleep(pause_s)
-        try:
-            run_once()
-        except (CatchArenaError, OSError) as error:
-            print_error(str(error))
+        interrupts.run_until_signal(lambda: run_again(pause_s))
 
 
 def _seconds(text: str) -> float:

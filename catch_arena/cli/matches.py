@@ -50,7 +50,7 @@ def match(
     reserve_file(output, REPLAY, force=force)
     target = output or reserve_free_file("match.replay", force=force)
     entrants = enter_agents(agents, quotas)
-    require_enough(len(entrants), config, arena.scenario)
+    require_enough(len(entrants), parties, arena.scenario)
     if len(entrants) > len(parties):
         raise ConfigError(
             f"number of agents must be {len(parties)}, to {parties.task} of {arena.scenario}, got {len(entrants)}"

@@ -98,12 +98,23 @@ class Arena:
     settings: SettingOption = None
 
     def config(self) -> ArenaConfig:
-        """Return the configuration of the arena.
+        """Return the scenario with the changes of --set.
 
         Raises:
             ConfigError: for an unknown scenario or setting, or a value that the setting cannot have.
         """
-        return arena(self.scenario, self.settings)
+        overrides: dict[str, Any] = {}
+        for key, value in _pairs("--set", self.settings):
+            if key == "control":
+                raise ConfigError("--set control=... must be left out: each agent declares its own control")
+            group, dot, part = key.partition(".")
+            if not dot:
+                overrides[key] = value
+            elif isinstance(parts := overrides.setdefault(group, {}), dict):
+                parts[part] = value
+            else:
+                raise ConfigError(f"--set {group}=... and --set {key}=... must not be given together")
+        return scenario_of(self.scenario, **overrides)
 
 
 @dataclass(frozen=True)
@@ -155,8 +166,6 @@ class Cores:
     @property
     def number(self) -> int:
         """Number of processes on this machine."""
-        from catch_arena.tournament.execution.executors import usable_cores
-
         return self.jobs or usable_cores()
 
     def of(self, worker: "Worker") -> "Executor":
@@ -165,13 +174,17 @@ class Cores:
         Raises:
             ConfigError: if Ray cannot be used.
         """
-        if self.executor == "ray":
-            from catch_arena.tournament.execution.ray_executor import RayExecutor
-
-            return RayExecutor(worker, self.number, self.address)
         from catch_arena.tournament.execution.executors import local_executor
+        from catch_arena.tournament.execution.ray_executor import RayExecutor
 
+        if self.executor == "ray":
+            return RayExecutor(worker, self.number, self.address)
         return local_executor(worker, self.number)
+
+
+def usable_cores() -> int:
+    """Return the number of cores that this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
 @dataclass(frozen=True)
@@ -192,26 +205,6 @@ class ConditionalOptions:
                 raise ConfigError(f"--{field.name} must come with {self.needs}")
 
 
-def arena(name: str, settings: list[str] | None) -> ArenaConfig:
-    """Return the scenario with the changes of --set.
-
-    Raises:
-        ConfigError: for an unknown scenario or setting, or a value that the setting cannot have.
-    """
-    overrides: dict[str, Any] = {}
-    for key, value in _pairs("--set", settings):
-        if key == "control":
-            raise ConfigError("--set control=... must be left out: each agent declares its own control")
-        group, dot, part = key.partition(".")
-        if not dot:
-            overrides[key] = value
-        elif isinstance(parts := overrides.setdefault(group, {}), dict):
-            parts[part] = value
-        else:
-            raise ConfigError(f"--set {group}=... and --set {key}=... must not be given together")
-    return scenario_of(name, **overrides)
-
-
 def quotas_of(limits: list[str] | None) -> Quotas:
     """Return the quotas of isolated agents with the changes of --limit.
 
@@ -223,30 +216,23 @@ def quotas_of(limits: list[str] | None) -> Quotas:
     return quotas
 
 
-def require_enough(entrants: int, config: ArenaConfig, scenario: str, *, tournament: bool = False) -> None:
-    """Check that there are enough entrants to fill the seats.
-
-    Args:
-        entrants: number of entrants.
-        config: the arena's settings.
-        scenario: name of the arena, for the error.
-        tournament: True to require enough for a block, which with prey may have more players than a match.
+def require_enough(entrants: int, parties: Parties, scenario: str, *, tournament: bool = False) -> None:
+    """Check that there are enough entrants for a match, or for a tournament's block, which may need more with prey.
 
     Raises:
         ConfigError: if the entrants cannot fill the seats; the message gives advice.
     """
 
-    def needed(config: ArenaConfig) -> int:
-        parties = Parties.of(config)
+    def needed(parties: Parties) -> int:
         return parties.group if tournament else len(parties)
 
-    least = needed(config)
+    least = needed(parties)
     if entrants >= least:
         return
-    task = f"{Parties.of(config).task} of {scenario}"
-    if least > len(Parties.of(config)):
+    task = f"{parties.task} of {scenario}"
+    if least > len(parties):
         task += " in a tournament (a side with one place needs one agent more, to compare with)"
-    fitting = [name for name, other in SCENARIOS.items() if 1 < needed(other) <= entrants]
+    fitting = [name for name, other in SCENARIOS.items() if 1 < needed(Parties.of(other)) <= entrants]
     advice = f"; or try --scenario {fitting[0]}" if fitting else ""
     raise ConfigError(
         f"number of agents must be at least {least} to {task}, got {entrants}: "

@@ -24,11 +24,11 @@ from catch_arena.cli.bus import (
 )
 from catch_arena.cli.matches import print_ranking
 from catch_arena.cli.options import (
+    Arena,
     ArenaSeed,
     Recorded,
     SettingOption,
     Trust,
-    arena,
     enter_agents,
     listing_option,
     scenario_option,
@@ -345,7 +345,7 @@ def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[i
             raise ConfigError(f"--set {key}=... must be left out: {_OWN_SETTINGS[key]}")
     last = max(seats, default=0)
     by_seats = [] if scenario or "hunters" in keys else [f"hunters={last + 1}"]
-    config = arena(scenario or EXERCISE, [*by_seats, *(settings or ())])
+    config = Arena(scenario or EXERCISE, [*by_seats, *(settings or ())]).config()
     if last >= config.hunters:
         raise ConfigError(f"--seat must be from 0 to {config.hunters - 1} in {scenario or EXERCISE}, got {last}")
     return config

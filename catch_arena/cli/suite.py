@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from itertools import chain
+from json import dumps
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents
+from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents, usable_cores
 from catch_arena.cli.outputs import Force, Json, reserve_file
 from catch_arena.cli.terminal import echo, noting_kept_results, own_console, plain_table, progress_bar
 from catch_arena.cli.tournaments import require_own_folder
@@ -61,14 +62,11 @@ def suite(
     Opponents, matches, seeds and statistics are fixed, so that papers can compare their numbers
     (`catch-arena docs suite`).
     """
-    from json import dumps
-
     from catch_arena.cli.tables import with_interval
     from catch_arena.suite.aggregates import FEWEST_RUNS
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
     from catch_arena.suite.measures import facts_of, measure, over_training_runs, references
     from catch_arena.suite.tournaments import cannot_play, play, tournaments
-    from catch_arena.tournament.execution.executors import usable_cores
     from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 
     chosen = suite_called(name)

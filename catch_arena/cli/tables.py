@@ -1,23 +1,36 @@
-"""Tables of the standings and of a plan's cost, for a terminal of usually 80 columns, or a file."""
+"""Standings, figures with intervals and a plan's cost, for a terminal of usually 80 columns, or a file."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from datetime import timedelta
 from typing import Final
 
 from rich.filesize import decimal
 from rich.table import Table
 
-from catch_arena.cli.terminal import plain_table
+from catch_arena.cli.terminal import echo, own_console, plain_table
 from catch_arena.policy import Side
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.cost import Cost, match_counts
 from catch_arena.tournament.plans.schedule import Plan, UntilSeparated
-from catch_arena.tournament.statistics.intervals import Estimate
+from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS, Estimate
+from catch_arena.tournament.statistics.sprt import elo_of_share
 from catch_arena.tournament.statistics.standings import Standing
 
 _KEY: Final = """grp: members of a group do not differ significantly
 rating: points, 0 is the mean; {score}
 wins: matches won, ties shared"""
+
+
+def print_standings(tables: Mapping[Side, Sequence[Standing]], entrants: Iterable[Entrant]) -> None:
+    """Print the standings, and the number of matches from which each excluded entrant was left out."""
+    for side, table in tables.items():
+        own_console().print(standings_table(table, side, titled=len(tables) > 1))
+    for entrant in entrants:
+        lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
+        if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
+            matches = sum(one.matches for one in lines)
+            echo(f"{entrant.name} was excluded: {without} of its {matches} matches were played without it")
 
 
 def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled: bool = False) -> Table:
@@ -93,6 +106,17 @@ def interval(estimate: Estimate, form: str, scale: int = 1) -> str:
 def with_interval(estimate: Estimate, form: str) -> str:
     """Return an estimate, and its interval in brackets."""
     return f"{estimate.mean:{form}} ({interval(estimate, form)})"
+
+
+def share_text(share: Estimate) -> str:
+    """Return a share in per cent and in points, each with its interval if there is one."""
+    if math.isnan(share.margin):
+        points = elo_of_share(share.mean)
+        return f"{100 * share.mean:.1f} %, {points:+.0f} points; an interval needs {FEWEST_BLOCKS} blocks"
+    mean, low, high = (f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high))
+    return (
+        f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), {mean} points ({low} to {high})"
+    )
 
 
 def _with_margin(estimate: Estimate, form: str, scale: int) -> str:

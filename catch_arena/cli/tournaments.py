@@ -1,17 +1,16 @@
 """`catch-arena tournament` and `compare`, and `report` and `export`, which show and write a tournament's matches."""
 
-import math
 from collections.abc import Iterator
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 import typer
 
 from catch_arena import interrupts
-from catch_arena.cli.app import main
+from catch_arena.cli.app import EXIT_NO, main
 from catch_arena.cli.options import (
     Agents,
     Arena,
@@ -25,25 +24,20 @@ from catch_arena.cli.options import (
     print_missing_prey,
     print_seed,
     require_enough,
+    usable_cores,
 )
 from catch_arena.cli.outputs import PAGE, Force, output_option, reserve_file
 from catch_arena.cli.terminal import echo, noting_kept_results, own_console, progress_bar
 from catch_arena.errors import ConfigError, OutputError
-from catch_arena.policy import Side
-from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import MAX_FORFEITS
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
-from catch_arena.tournament.statistics.sprt import Sprt, elo_of_share, share_of_elo
+from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
 from catch_arena.tournament.store import STORE, Store
-
-if TYPE_CHECKING:  # heavy
-    from catch_arena.tournament.statistics.intervals import Estimate
-    from catch_arena.tournament.statistics.standings import Standing
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
 _MOST_MB = 1000
-_EXIT_CODES = {"H1": 0, "H0": 1, None: 3}
+_EXIT_UNDECIDED = 3
 
 
 @main.command()
@@ -100,7 +94,7 @@ def tournament(
 
     The same agents, options and seed give the same results with any --jobs and --executor.
     """
-    from catch_arena.cli.tables import plan_table
+    from catch_arena.cli.tables import plan_table, print_standings
     from catch_arena.report import write_report
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.executors import Worker
@@ -109,11 +103,11 @@ def tournament(
 
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
-    config, quotas, jobs = arena.config(), trust.quotas(), cores.number
+    config, quotas = arena.config(), trust.quotas()
     parties = Parties.of(config)
     given = None if seed is None else Secret.parse(seed)
     entrants = enter_agents(agents, quotas)
-    require_enough(len(entrants), config, arena.scenario, tournament=True)
+    require_enough(len(entrants), parties, arena.scenario, tournament=True)
     begun = Store.tournament_in(out) if resume else None
     secret = given or (begun.secret if begun else Secret.of(None))
     most = max_matches or (MOST_IN_A_ROUND if until_separated is None else BUDGET)
@@ -130,7 +124,7 @@ def tournament(
     if not (out / STORE).exists():
         with own_console(err=True).status("trying some matches"):
             cost = measure_cost(setup.worker, plan)
-        own_console(err=True).print(plan_table(plan, len(entrants), cost, jobs))
+        own_console(err=True).print(plan_table(plan, len(entrants), cost, cores.number))
 
     with setup.begin(resume=resume) as store, _watched(out) if watch else nullcontext():
         echo(f"{arena.scenario}: {len(entrants)} agents, {bound}{plan.size} matches, {len(parties)} in each")
@@ -141,7 +135,7 @@ def tournament(
             progress_bar("playing", plan.size) as show,
         ):
             tables = setup.play(store, ready, show)
-        _print_standings(tables, entrants)
+        print_standings(tables, entrants)
         if isinstance(plan, UntilSeparated) and plan.last is not None:
             echo(f"after {store.count_played()} matches, {plan.last}")
         if (out / LOGS).exists():
@@ -159,19 +153,6 @@ def require_own_folder(folder: Path, *, force: bool) -> None:
     """
     if not force and not (folder / STORE).exists() and folder.is_dir() and any(folder.glob("[!.]*")):
         raise OutputError(f"{folder}: has other files; use --force to write into it, or choose another folder")
-
-
-def _print_standings(tables: "dict[Side, list[Standing]]", entrants: tuple[Entrant, ...]) -> None:
-    """Print the standings, and the number of matches from which each excluded entrant was left out."""
-    from catch_arena.cli.tables import standings_table
-
-    for side, table in tables.items():
-        own_console().print(standings_table(table, side, titled=len(tables) > 1))
-    for entrant in entrants:
-        lines = [one for side, table in tables.items() for one in table if one.name == entrant.on(side).name]
-        if without := sum(one.forfeits.get("FORFEIT_OUT", 0) for one in lines):
-            matches = sum(one.matches for one in lines)
-            echo(f"{entrant.name} was excluded: {without} of its {matches} matches were played without it")
 
 
 @contextmanager
@@ -215,8 +196,8 @@ def compare(
 
     The exit code is 0 if A is stronger (H1), 1 if it is not (H0), and 3 if the test is still undecided.
     """
+    from catch_arena.cli.tables import share_text
     from catch_arena.tournament.comparison import compare as play_and_test
-    from catch_arena.tournament.execution.executors import usable_cores
 
     config, quotas = arena.config(), trust.quotas()
     secret = Secret.of(None) if seed is None else Secret.parse(seed)
@@ -245,32 +226,19 @@ def compare(
     for name, codes in found.forfeits.items():
         echo(f"{name} forfeited: {', '.join(f'{count} times {code}' for code, count in codes.items())}")
     echo(f"{found.matches} matches in {found.blocks} blocks")
-    echo(f"share of {first}: {_describe(found.share)}")
+    echo(f"share of {first}: {share_text(found.share)}")
     echo(
         f"log-likelihood ratio {found.log_likelihood_ratio:+.2f}, H0 at {low:.2f} and H1 at {high:.2f}: "
         f"H0 is +0 points, H1 {elo1:+.0f}"
     )
-    verdicts = {
-        "H1": f"{first} is stronger than {second} (H1)",
-        "H0": f"{first} is not stronger than {second} (H0)",
-        None: f"undecided after {found.blocks} blocks",
-    }
+    verdict, code = {
+        "H1": (f"{first} is stronger than {second} (H1)", 0),
+        "H0": (f"{first} is not stronger than {second} (H0)", EXIT_NO),
+        None: (f"undecided after {found.blocks} blocks", _EXIT_UNDECIDED),
+    }[found.decision]
     print_seed(secret)
-    echo(f"verdict: {verdicts[found.decision]}")
-    raise typer.Exit(_EXIT_CODES[found.decision])
-
-
-def _describe(share: "Estimate") -> str:
-    """Return a share in per cent and in points, each with its interval if there is one."""
-    from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
-
-    if math.isnan(share.margin):
-        points = elo_of_share(share.mean)
-        return f"{100 * share.mean:.1f} %, {points:+.0f} points; an interval needs {FEWEST_BLOCKS} blocks"
-    mean, low, high = (f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high))
-    return (
-        f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), {mean} points ({low} to {high})"
-    )
+    echo(f"verdict: {verdict}")
+    raise typer.Exit(code)
 
 
 @main.command()

@@ -11,7 +11,7 @@ import pytest
 from command_line import run
 from isolation_levels import LEVELS
 
-from catch_arena.cli.options import arena
+from catch_arena.cli.options import Arena
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.isolation.namespaces import level_line
@@ -214,18 +214,17 @@ def test_agents_and_scenarios_are_listed(catch_arena):
     for name, setting in settings.items():
         assert setting in listed  # whole, and as --set takes it
         field, _, _ = setting.partition("=")
-        assert getattr(arena("standard", [setting]), field) == getattr(scenario(name), field)
+        assert getattr(Arena("standard", [setting]).config(), field) == getattr(scenario(name), field)
     assert re.match(r"catch-arena \d", catch_arena("--version").output)
 
 
 def test_settings_are_numbers_words_or_parts():
-    config = arena(
-        "standard", ["reach_m=0.5", "policy=first_come", "faults.kill_down=0.2", "gains.ki_v=0", "gains.kp_v=3"]
-    )
+    settings = ["reach_m=0.5", "policy=first_come", "faults.kill_down=0.2", "gains.ki_v=0", "gains.kp_v=3"]
+    config = Arena("standard", settings).config()
     assert (config.reach_m, config.policy, config.faults.kill_down) == (0.5, "first_come", 0.2)
     assert (config.gains.ki_v, config.gains.kp_v, config.gains.kp_w) == (0, 3, 6.0)
     with pytest.raises(ConfigError, match=r"unknown setting faults\.kil"):
-        arena("standard", ["faults.kil=1"])
+        Arena("standard", ["faults.kil=1"]).config()
 
 
 def test_help_loads_nothing_heavy():

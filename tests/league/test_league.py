@@ -11,6 +11,7 @@ from dataclasses import replace
 from datetime import datetime, timedelta, timezone
 from itertools import combinations
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from command_line import run
@@ -18,7 +19,7 @@ from tournament.runs import run as play
 
 from catch_arena.cli import league as league_command
 from catch_arena.errors import StoreError
-from catch_arena.league import update
+from catch_arena.league import site, update
 from catch_arena.league.entries import shipped_entries
 from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
 from catch_arena.league.moments import Part, best_and_worst
@@ -413,17 +414,19 @@ def test_a_league_that_runs_again_and_again_outlives_an_error(folder, monkeypatc
     """The second run fails; the third one goes on."""
     runs, pauses = [], []
 
-    def run_once(*_):
+    def run_once(*_, **__):
         runs.append(1)
         if len(runs) == 2:
             raise StoreError("the disk is full")
+        return SimpleNamespace(new_matches=0)
 
     def sleep(seconds):
         pauses.append(seconds)
         if len(pauses) == 3:
             raise KeyboardInterrupt
 
-    monkeypatch.setattr(league_command, "_run_once", run_once)
+    monkeypatch.setattr(update, "update_league", run_once)
+    monkeypatch.setattr(site, "write_site", lambda _: folder)
     monkeypatch.setattr(league_command.time, "sleep", sleep)
     done = league(folder, "--every", "15m")
     assert done.exit_code == 0

@@ -188,11 +188,6 @@ def local_executor(worker: Worker, jobs: int) -> Executor:
     return Executor(worker) if jobs == 1 else ProcessExecutor(worker, jobs)
 
 
-def usable_cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
 @cache
 def _compile(config: ArenaConfig) -> None:
     Engine(config)
