@@ -39,23 +39,14 @@ GROUPS: Final = {
 
 
 class Commands(TyperGroup):
-    """Group of commands whose help has the whole first sentence of each command."""
-
-    groups: Mapping[str, Iterable[str]] | None = None
-    """Names of the commands by heading; None for all commands under one heading."""
+    """Commands whose errors are one line with a hint (docs/reference/command_line.md); help has whole sentences."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
-        """List the commands in their groups."""
-        del ctx
-        for group, names in (self.groups or {"Commands": self.commands}).items():
+        """List the commands in their groups, or those of `catch-arena ros` in one."""
+        groups: Mapping[str, Iterable[str]] = {"Commands": self.commands} if ctx.parent else GROUPS
+        for group, names in groups.items():
             with formatter.section(group):
                 formatter.write_dl([(name, self.commands[name].get_short_help_str(200)) for name in names])
-
-
-class _AllCommands(Commands):
-    """Group of all commands. It prints errors as one line with a hint; see docs/reference/command_line.md for codes."""
-
-    groups = GROUPS
 
     def main(self, *args: Any, **kwargs: Any) -> NoReturn:
         """Read the command line, run the command, and exit."""
@@ -71,7 +62,7 @@ class _AllCommands(Commands):
             if type(error).__name__ == "NoArgsIsHelpError":
                 echo(str(error))
             else:
-                text = " ".join(cast(Any, error).format_message().replace("Value error, ", "").split())
+                text = " ".join(cast(Any, error).format_message().replace("Value error, ", "").split())  # typer 0.29
                 print_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
         except OSError as error:
             with suppress(OSError):  # stderr may be full too
@@ -138,7 +129,7 @@ def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
 main = Program(
     name="catch-arena",
     help="Hunters chase turtles, and an arbiter decides who caught what.",
-    cls=_AllCommands,
+    cls=Commands,
     no_args_is_help=True,
     add_completion=False,
     pretty_exceptions_enable=False,

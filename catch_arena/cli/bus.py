@@ -1,17 +1,16 @@
 """Options for a ROS 2 bus and its packages, shared by all commands that exchange messages with nodes."""
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final
+from typing import TYPE_CHECKING, Annotated, ClassVar, Final
 
 import typer
-from typer.core import TyperCommand
 
 from catch_arena.cli.options import ConditionalOptions
 from catch_arena.cli.terminal import echo
-from catch_arena.errors import ConfigError, suggest
+from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
 from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
 from catch_arena.ros.middleware.opening import BRIDGE_URL, describe_bus, open_bus
@@ -20,30 +19,10 @@ from catch_arena.text import shortened
 if TYPE_CHECKING:
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
-_ROS_ARGS: Final = "--ros-args"
-SPAWN_FREQUENCY: Final = "spawn_frequency"
-NAME_PREFIX: Final = "turtle_name_prefix"
-CLOSEST_FIRST: Final = "catch_closest_turtle_first"
-_WORDS: Final = {"-p", "--param"}
-_BOOLEANS: Final = {"true": True, "false": False}
-_KINDS: Final = {bool: "true or false", float: "a number", str: "a text"}
-
-Value = bool | float | str
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-_SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
+SERVICE_NAME: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 SERVICE: Final = "ros:"
 """Prefix of a word that names a node's service: ros:/catch_turtle."""
-RosArgs = Annotated[
-    list[str] | None,
-    typer.Option(
-        _ROS_ARGS,
-        metavar="ARGS",
-        help="Parameters of the node, -p NAME:=VALUE, after all other options (see `catch-arena docs ros_names`).",
-    ),
-]
-"""Option for a node's parameters; only a NodeCommand may have it."""
-
-
 Interface = Annotated[
     str,
     typer.Option(
@@ -101,28 +80,10 @@ class Bus(Packages):
 
     @contextmanager
     def joined(self, node: str) -> Iterator[JoinedBus]:
-        """Join the bus, print its description, and leave it at the end.
-
-        Raises:
-            BusError: if it cannot be reached.
-        """
+        """Join the bus as `opened` does, print its description, and leave it at the end."""
         with closing(self.opened(node)) as bus:
             echo(describe_bus(bus, bus.interfaces(self.types)), err=True)
             yield bus
-
-
-class NodeCommand(TyperCommand):
-    """Command that can be started as a node: all words after --ros-args, up to a --, are values of that option."""
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put the name of --ros-args before each of its words, and parse all arguments."""
-        in_ros_args, words = False, []
-        for word in args:
-            if word == _ROS_ARGS or (in_ros_args and word == "--"):
-                in_ros_args = word == _ROS_ARGS
-            else:
-                words.append(f"{_ROS_ARGS}={word}" if in_ros_args else word)
-        return super().parse_args(ctx, words)
 
 
 @dataclass(frozen=True)
@@ -144,7 +105,7 @@ class NodeUnderTestOptions(ConditionalOptions):
         from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
         service = word.removeprefix(SERVICE)
-        if not is_service(service):
+        if not SERVICE_NAME.fullmatch(service):
             raise ConfigError(f"a service must be given as ros:/NAME, such as ros:/catch_turtle, got {word!r}")
         bus = Bus(interfaces=self.interfaces, bus=self.bus)
         with bus.joined("catch_arena") as joined:
@@ -162,41 +123,3 @@ def checked_name(setting: str, name: str, example: str) -> str:
             f"{setting} must be letters, digits and underscores, such as {example}, got {shortened(name)}"
         )
     return name
-
-
-def is_service(name: str) -> bool:
-    """Return whether a service can have that name: /catch_turtle."""
-    return _SERVICE.fullmatch(name) is not None
-
-
-def parameters_from(words: Sequence[str], defaults: Mapping[str, Value]) -> dict[str, Value]:
-    """Return a node's parameters by name; of several values the last one counts.
-
-    Args:
-        words: the arguments after --ros-args.
-        defaults: values of the parameters that are not given; a given value must have the default's type.
-
-    Raises:
-        ConfigError: for an unknown word or parameter, and for a value of another type.
-    """
-    values = dict(defaults)
-    rest = iter(words)
-    for word in rest:
-        text = next(rest, None)
-        if word not in _WORDS or text is None:
-            raise ConfigError(f"--ros-args must be -p NAME:=VALUE, such as -p {SPAWN_FREQUENCY}:=2.0, got {word!r}")
-        name, sign, value = text.partition(":=")
-        if not name or not sign:
-            raise ConfigError(f"--ros-args -p must be NAME:=VALUE, such as {SPAWN_FREQUENCY}:=2.0, got {text!r}")
-        if name not in values:
-            known = suggest(name, values) if values else "this node has none"
-            raise ConfigError(f"there is no parameter {shortened(name)}: {known}")
-        values[name] = _value(name, value, type(values[name]))
-    return values
-
-
-def _value(name: str, word: str, kind: type) -> Value:
-    try:
-        return _BOOLEANS[word.lower()] if kind is bool else kind(word)
-    except (KeyError, ValueError):
-        raise ConfigError(f"{name} must be {_KINDS[kind]}, got {shortened(word)}") from None

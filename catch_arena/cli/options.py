@@ -16,13 +16,12 @@ from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.scenarios import scenario as scenario_of
 from catch_arena.tournament.agent_spec import AgentSpec, is_shipped
-from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant, enter
+from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.isolation.namespaces import available_level, level_line
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import inspector
-from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
     from catch_arena.tournament.execution.executors import Executor, Worker
@@ -240,12 +239,6 @@ def require_enough(entrants: int, parties: Parties, scenario: str, *, tournament
     )
 
 
-def print_seed(secret: Secret) -> None:
-    """Print the seed, with which others can repeat all random draws."""
-    warning = "" if secret.number is None else f" (from {secret.number}, which agents can guess)"
-    echo(f"seed: {secret.digits}{warning}")
-
-
 def require_isolation(subject: str) -> None:
     """Raise a ConfigError on Windows, for a command whose agents cannot be trusted."""
     if not hasattr(os, "fork"):
@@ -284,12 +277,6 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, 
         if entrant.fault is not None:
             echo(f"warning: {entrant.name} cannot begin, and forfeits its matches: {entrant.fault}", err=True)
     return entrants
-
-
-def print_missing_prey(entrants: Sequence[Entrant], config: ArenaConfig) -> None:
-    """Print the entrants without their own prey in an arena with prey, and the agent that plays prey for them."""
-    if config.prey and (without := [entrant.name for entrant in entrants if entrant.needs_prey]):
-        echo(f"{SHIPPED_PREY} plays the prey of agents without a class Prey: {', '.join(without)}")
 
 
 def _pairs(option: str, changes: list[str] | None) -> Iterator[tuple[str, Any]]:

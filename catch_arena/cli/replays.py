@@ -43,7 +43,11 @@ class Picture:
     ] = None
     shape: Annotated[
         Literal["landscape", "portrait", "square"] | None,
-        typer.Option(help="Shape of the frames.", show_default="landscape, or that of --size"),
+        typer.Option(
+            metavar="SHAPE",
+            help="Shape of the frames: landscape, portrait or square.",
+            show_default="landscape, or that of --size",
+        ),
     ] = None
     fps: Annotated[int | None, typer.Option(help="Frames per second.", show_default="60; GIF 25, WebP 30")] = None
     captions: Annotated[

@@ -1,27 +1,17 @@
 """`catch-arena ros`: the arena and our own nodes on a ROS 2 bus, matches as bags of rosbag2, and bags as videos."""
 
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from contextlib import closing
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import typer
+from typer.core import TyperCommand
 
 from catch_arena.cli.app import EXIT_NO, Commands, Program, main
-from catch_arena.cli.bus import (
-    CLOSEST_FIRST,
-    NAME_PREFIX,
-    SPAWN_FREQUENCY,
-    Bus,
-    NodeCommand,
-    Packages,
-    RosArgs,
-    checked_name,
-    is_service,
-    parameters_from,
-)
+from catch_arena.cli.bus import SERVICE_NAME, Bus, Packages, checked_name
 from catch_arena.cli.matches import print_ranking
 from catch_arena.cli.options import (
     Arena,
@@ -37,13 +27,13 @@ from catch_arena.cli.outputs import REPLAY, VIDEO, VIDEO_HELP, Force, output_opt
 from catch_arena.cli.replays import Picture, load_replay, write_video
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import AgentError, BusError, ConfigError, install_hint
+from catch_arena.errors import AgentError, BusError, ConfigError, install_hint, suggest
 from catch_arena.ros.doctor import examine
 from catch_arena.ros.middleware.graph_names import TURTLE
 from catch_arena.ros.nodes.rate import tick_until_signal
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.seeding import arena_seed
-from catch_arena.text import name_fault
+from catch_arena.text import name_fault, shortened
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Players
@@ -71,9 +61,40 @@ NODE, HUMAN = "ros", "human"
 """Words for seats that nodes drive: a node that requests its targets, and a node that only drives."""
 EXERCISE = "exercise"
 """Default scenario of `serve`."""
+_ROS_ARGS: Final = "--ros-args"
+_SPAWN_FREQUENCY: Final = "spawn_frequency"
+_NAME_PREFIX: Final = "turtle_name_prefix"
+_CLOSEST_FIRST: Final = "catch_closest_turtle_first"
+_WORDS: Final = {"-p", "--param"}
+_BOOLEANS: Final = {"true": True, "false": False}
+_KINDS: Final = {bool: "true or false", float: "a number", str: "a text"}
+_Value = bool | float | str
+_RosArgs = Annotated[
+    list[str] | None,
+    typer.Option(
+        _ROS_ARGS,
+        metavar="ARGS",
+        help="Parameters of the node, -p NAME:=VALUE, after all other options (see `catch-arena docs ros_names`).",
+    ),
+]
+"""Option for a node's parameters; only a _NodeCommand may have it."""
 
 
-@ros.command(cls=NodeCommand)
+class _NodeCommand(TyperCommand):
+    """Command that can be started as a node: all words after --ros-args, up to a --, are values of that option."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Put the name of --ros-args before each of its words, and parse all arguments."""
+        in_ros_args, words = False, []
+        for word in args:
+            if word == _ROS_ARGS or (in_ros_args and word == "--"):
+                in_ros_args = word == _ROS_ARGS
+            else:
+                words.append(f"{_ROS_ARGS}={word}" if in_ros_args else word)
+        return super().parse_args(ctx, words)
+
+
+@ros.command(cls=_NodeCommand)
 def serve(
     *,
     seat: Annotated[
@@ -99,7 +120,7 @@ def serve(
     ] = None,
     force: Force = False,
     settings: SettingOption = None,
-    ros_args: RosArgs = None,
+    ros_args: _RosArgs = None,
 ) -> None:
     """Play a match with ROS 2 nodes: they drive hunters, the arbiter answers /catch_turtle.
 
@@ -145,7 +166,7 @@ def serve(
         echo(f"replay: {record}")
 
 
-@ros.command(cls=NodeCommand)
+@ros.command(cls=_NodeCommand)
 def controller(
     agent: Annotated[
         str, typer.Argument(help="Agent that drives: a shipped agent's name or a .py file, as in `catch-arena match`.")
@@ -162,7 +183,7 @@ def controller(
     ] = None,
     bus: Bus,
     trust: Trust,
-    ros_args: RosArgs = None,
+    ros_args: _RosArgs = None,
 ) -> None:
     """Drive a turtle with an agent, in turtlesim or in `ros serve`, until Ctrl-C.
 
@@ -172,12 +193,12 @@ def controller(
     from catch_arena.ros.nodes.controller import PERIOD_S, Controller
 
     quotas = trust.quotas()
-    values = parameters_from(ros_args or (), {CLOSEST_FIRST: agent == _CLOSEST} if agent in {_CLOSEST, _OLDEST} else {})
+    values = parameters_from(ros_args, {_CLOSEST_FIRST: agent == _CLOSEST} if agent in {_CLOSEST, _OLDEST} else {})
     if values:
-        agent = _CLOSEST if values[CLOSEST_FIRST] else _OLDEST
+        agent = _CLOSEST if values[_CLOSEST_FIRST] else _OLDEST
     config = SCENARIOS["capstone"]
     turtle = checked_name("--turtle", turtle, TURTLE)
-    if service is not None and not is_service(service):
+    if service is not None and not SERVICE_NAME.fullmatch(service):
         raise ConfigError(f"--service must be the name of a service, such as /catch_turtle, got {service!r}")
     entrants = enter_agents([agent], quotas)
     with (
@@ -192,7 +213,7 @@ def controller(
             node.stop()
 
 
-@ros.command(cls=NodeCommand)
+@ros.command(cls=_NodeCommand)
 def spawner(
     *,
     turtle: Annotated[
@@ -201,7 +222,7 @@ def spawner(
     ] = None,
     reach: Reach = 0.5,
     bus: Bus,
-    ros_args: RosArgs = None,
+    ros_args: _RosArgs = None,
 ) -> None:
     """Spawn targets in turtlesim and judge who catches them, until Ctrl-C.
 
@@ -212,7 +233,7 @@ def spawner(
 
     turtles = tuple(dict.fromkeys(checked_name("--turtle", name, TURTLE) for name in turtle or (TURTLE,)))
     config = _with_parameters(SCENARIOS["capstone"].replace(reach_m=reach), ros_args)
-    checked_name(NAME_PREFIX, config.name_prefix, "target_turtle_")
+    checked_name(_NAME_PREFIX, config.name_prefix, "target_turtle_")
     with bus.joined("turtle_spawner") as joined:
         node = Spawner(joined, turtles, joined.interfaces(bus.types), config, seed=arena_seed(None), log=echo)
         echo("waiting for turtlesim: /spawn and /kill")
@@ -297,9 +318,9 @@ def import_(
 def _with_parameters(config: ArenaConfig, ros_args: list[str] | None) -> ArenaConfig:
     """Return the settings with the parameters of the exercise's spawner that --ros-args has."""
     values = parameters_from(
-        ros_args or (), {SPAWN_FREQUENCY: float(config.spawn_frequency_hz), NAME_PREFIX: config.name_prefix}
+        ros_args, {_SPAWN_FREQUENCY: float(config.spawn_frequency_hz), _NAME_PREFIX: config.name_prefix}
     )
-    return config.replace(spawn_frequency_hz=values[SPAWN_FREQUENCY], name_prefix=values[NAME_PREFIX])
+    return config.replace(spawn_frequency_hz=values[_SPAWN_FREQUENCY], name_prefix=values[_NAME_PREFIX])
 
 
 def _print_ranking(served: "Served", config: ArenaConfig) -> None:
@@ -354,3 +375,33 @@ def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[i
 def _require_rosbags() -> None:
     if find_spec("rosbags") is None:
         raise BusError(f"bags need rosbags, which is not installed: {install_hint('ros')}")
+
+
+def parameters_from(words: Sequence[str] | None, defaults: Mapping[str, _Value]) -> dict[str, _Value]:
+    """Return a node's parameters by name; of several values the last one counts.
+
+    Args:
+        words: the arguments after --ros-args; None without it.
+        defaults: values of the parameters that are not given; a given value must have the default's type.
+
+    Raises:
+        ConfigError: for an unknown word or parameter, and for a value of another type.
+    """
+    values = dict(defaults)
+    rest = iter(words or ())
+    for word in rest:
+        text = next(rest, None)
+        if word not in _WORDS or text is None:
+            raise ConfigError(f"--ros-args must be -p NAME:=VALUE, such as -p {_SPAWN_FREQUENCY}:=2.0, got {word!r}")
+        name, sign, value = text.partition(":=")
+        if not name or not sign:
+            raise ConfigError(f"--ros-args -p must be NAME:=VALUE, such as {_SPAWN_FREQUENCY}:=2.0, got {text!r}")
+        if name not in values:
+            known = suggest(name, values) if values else "this node has none"
+            raise ConfigError(f"there is no parameter {shortened(name)}: {known}")
+        kind = type(values[name])
+        try:
+            values[name] = _BOOLEANS[value.lower()] if kind is bool else kind(value)
+        except (KeyError, ValueError):
+            raise ConfigError(f"{name} must be {_KINDS[kind]}, got {shortened(value)}") from None
+    return values

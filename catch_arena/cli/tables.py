@@ -74,24 +74,20 @@ def plan_table(plan: Plan, entrants: int, cost: Cost | None, jobs: int) -> Table
         shown.add_row("an agent plays", f"{_number_range(*played)} matches")
         shown.add_row("a pair meets in", f"{_number_range(*met)} matches")
     if cost is not None:
-        _add_cost(shown, plan.size, cost, jobs)
+        alone_s = plan.size * cost.seconds
+        shared = f"{_duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
+        shown.add_row("time", f"about {shared}{_duration(alone_s)} with one process")
+        shown.add_row("store", f"about {decimal(plan.size * cost.stored)}")
+        if cost.replay:
+            shown.add_row("replays", f"about {decimal(plan.size * cost.replay)}")
     return shown
-
-
-def _add_cost(shown: Table, matches: int, cost: Cost, jobs: int) -> None:
-    alone_s = matches * cost.seconds
-    shared = f"{duration(alone_s / jobs)} with {jobs} processes, " if jobs > 1 else ""
-    shown.add_row("time", f"about {shared}{duration(alone_s)} with one process")
-    shown.add_row("store", f"about {decimal(matches * cost.stored)}")
-    if cost.replay:
-        shown.add_row("replays", f"about {decimal(matches * cost.replay)}")
 
 
 def _number_range(low: int, high: int) -> str:
     return f"{low}" if low == high else f"{low} to {high}"
 
 
-def duration(seconds: float) -> str:
+def _duration(seconds: float) -> str:
     """Return a duration in words: seconds, or hours, minutes and seconds."""
     return f"{max(seconds, 0.1):.1f} s" if seconds < 60 else str(timedelta(seconds=round(seconds)))
 
@@ -114,9 +110,7 @@ def share_text(share: Estimate) -> str:
         points = elo_of_share(share.mean)
         return f"{100 * share.mean:.1f} %, {points:+.0f} points; an interval needs {FEWEST_BLOCKS} blocks"
     mean, low, high = (f"{elo_of_share(one):+.0f}" for one in (share.mean, share.low, share.high))
-    return (
-        f"{100 * share.mean:.1f} % ({100 * share.low:.1f} to {100 * share.high:.1f}), {mean} points ({low} to {high})"
-    )
+    return f"{100 * share.mean:.1f} % ({interval(share, '.1f', 100)}), {mean} points ({low} to {high})"
 
 
 def _with_margin(estimate: Estimate, form: str, scale: int) -> str:

@@ -1,6 +1,6 @@
 """`catch-arena tournament` and `compare`, and `report` and `export`, which show and write a tournament's matches."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from functools import partial
@@ -21,14 +21,14 @@ from catch_arena.cli.options import (
     Seed,
     Trust,
     enter_agents,
-    print_missing_prey,
-    print_seed,
     require_enough,
     usable_cores,
 )
 from catch_arena.cli.outputs import PAGE, Force, output_option, reserve_file
 from catch_arena.cli.terminal import echo, noting_kept_results, own_console, progress_bar
+from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, OutputError
+from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant
 from catch_arena.tournament.match import MAX_FORFEITS
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
@@ -128,7 +128,7 @@ def tournament(
 
     with setup.begin(resume=resume) as store, _watched(out) if watch else nullcontext():
         echo(f"{arena.scenario}: {len(entrants)} agents, {bound}{plan.size} matches, {len(parties)} in each")
-        print_missing_prey(entrants, config)
+        _print_missing_prey(entrants, config)
         with (
             noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"),
             cores.of(setup.worker) as ready,
@@ -140,7 +140,7 @@ def tournament(
             echo(f"after {store.count_played()} matches, {plan.last}")
         if (out / LOGS).exists():
             echo(f"what agents printed, and how they failed: {out / LOGS}")
-        print_seed(secret)
+        _print_seed(secret)
         echo(f"results: {out}")
         echo(f"report: {write_report(out)}")
 
@@ -153,6 +153,18 @@ def require_own_folder(folder: Path, *, force: bool) -> None:
     """
     if not force and not (folder / STORE).exists() and folder.is_dir() and any(folder.glob("[!.]*")):
         raise OutputError(f"{folder}: has other files; use --force to write into it, or choose another folder")
+
+
+def _print_missing_prey(entrants: Sequence[Entrant], config: ArenaConfig) -> None:
+    """Print the entrants without their own prey in an arena with prey, and the agent that plays prey for them."""
+    if config.prey and (without := [entrant.name for entrant in entrants if entrant.needs_prey]):
+        echo(f"{SHIPPED_PREY} plays the prey of agents without a class Prey: {', '.join(without)}")
+
+
+def _print_seed(secret: Secret) -> None:
+    """Print the seed, with which others can repeat all random draws."""
+    warning = "" if secret.number is None else f" (from {secret.number}, which agents can guess)"
+    echo(f"seed: {secret.digits}{warning}")
 
 
 @contextmanager
@@ -205,7 +217,7 @@ def compare(
         raise ConfigError(f"--elo1 must be above 0, got {elo1:g}")
     test = Sprt(share_of_elo(0.0), share_of_elo(elo1))
     entrants = enter_agents([*agents, *(against or ())], quotas)
-    print_missing_prey(entrants, config)
+    _print_missing_prey(entrants, config)
     first, second, *_ = (entrant.name for entrant in entrants)
     low, high = test.bounds
     with progress_bar("playing") as show:
@@ -236,7 +248,7 @@ def compare(
         "H0": (f"{first} is not stronger than {second} (H0)", EXIT_NO),
         None: (f"undecided after {found.blocks} blocks", _EXIT_UNDECIDED),
     }[found.decision]
-    print_seed(secret)
+    _print_seed(secret)
     echo(f"verdict: {verdict}")
     raise typer.Exit(code)
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from catch_arena.cli.bus import parameters_from
+from catch_arena.cli.ros import parameters_from
 from catch_arena.errors import ConfigError
 
 FREQUENCY, PREFIX, CLOSEST = "spawn_frequency", "turtle_name_prefix", "catch_closest_turtle_first"
