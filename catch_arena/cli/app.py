@@ -100,15 +100,19 @@ class Program(typer.Typer):
 
 
 def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Return a function for typer that has a parameter for each field of the command's dataclasses."""
+    """Return a function for typer that has a parameter for each field of the command's dataclasses.
+
+    A parameter's default, an instance of its dataclass, has the defaults of the fields.
+    """
     shared: dict[str, Any] = {}
     single = []
     for name, parameter in signature(command).parameters.items():
         if is_dataclass(parameter.annotation):
             shared[name] = parameter.annotation
+            usual = shared[name]() if parameter.default is Parameter.empty else parameter.default
             single += [
-                Parameter(field.name, Parameter.KEYWORD_ONLY, default=field.default, annotation=field.type)
-                for field in fields(parameter.annotation)
+                Parameter(field.name, Parameter.KEYWORD_ONLY, default=getattr(usual, field.name), annotation=field.type)
+                for field in fields(usual)
             ]
         else:
             single.append(parameter.replace(kind=Parameter.KEYWORD_ONLY))

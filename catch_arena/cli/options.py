@@ -46,7 +46,6 @@ def listing_option(what: str) -> Any:
     return typer.Option("--list", help=f"Only list {what}.")
 
 
-Scenario = Annotated[str, scenario_option()]
 SettingOption = Annotated[
     list[str] | None,
     typer.Option(
@@ -93,7 +92,7 @@ ArenaSeed = Annotated[
 class Arena:
     """Options for the arena of a match."""
 
-    scenario: Scenario = "standard"
+    scenario: Annotated[str, scenario_option()] = "standard"
     settings: SettingOption = None
 
     def config(self) -> ArenaConfig:

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Annotated, Literal
@@ -17,7 +16,6 @@ from catch_arena.cli.options import (
     Cores,
     Jobs,
     Resume,
-    Scenario,
     Seed,
     Trust,
     enter_agents,
@@ -36,6 +34,7 @@ from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
 from catch_arena.tournament.store import STORE, Store
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
+_DUEL = Arena("duel")
 _MOST_MB = 1000
 _EXIT_UNDECIDED = 3
 
@@ -178,13 +177,6 @@ def _watched(folder: Path) -> Iterator[None]:
         interrupts.wait(lambda: echo(f"the report is served at {address} until Ctrl-C"))
 
 
-@dataclass(frozen=True)
-class Duel(Arena):
-    """Options for the arena of a comparison."""
-
-    scenario: Scenario = "duel"
-
-
 @main.command()
 def compare(
     agents: Annotated[
@@ -195,7 +187,7 @@ def compare(
         list[str] | None,
         typer.Option(metavar="AGENT", help="Opponent of both A and B; may be repeated."),
     ] = None,
-    arena: Duel,
+    arena: Arena = _DUEL,
     elo1: Annotated[
         float, typer.Option(help="H1: A is stronger by this number of rating points; H0 is that both are equal.")
     ] = 20.0,
