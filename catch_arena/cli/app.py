@@ -39,7 +39,7 @@ GROUPS: Final = {
 
 
 class Commands(TyperGroup):
-    """Commands whose errors are one line with a hint (docs/reference/command_line.md); help has whole sentences."""
+    """Group of commands: errors are one line with a hint (docs/reference/command_line.md), help has whole sentences."""
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """List the commands in their groups, or those of `catch-arena ros` in one."""
