@@ -1,4 +1,4 @@
-"""Function that plays a whole plan without a store on disk."""
+"""Functions that play a whole plan without a store on disk, and that export a store."""
 
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -9,6 +9,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.executors import Worker, local_executor
 from catch_arena.tournament.execution.runner import play_plan
+from catch_arena.tournament.export import export
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.plans.schedule import Plan
@@ -40,3 +41,10 @@ def run(
     ):
         play_plan(store, plan, executor, max_forfeits=max_forfeits)
         return list(store.played())
+
+
+def exported(folder: Path) -> bytes:
+    """Return all matches in a folder's store, without their times."""
+    with Store.read(folder) as store:
+        export(store, folder / "matches.jsonl", timing=False)
+    return (folder / "matches.jsonl").read_bytes()

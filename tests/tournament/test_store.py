@@ -127,15 +127,11 @@ def changed(**facts):
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"config": SHORT.replace(reach_m=0.4)}, "reach_m is 0.3 there, and 0.4 here"),
-        ({"plan": round_robin(3, hunters(2), 3, seed=4).parameters}, "rounds is 2 there, and 3 here"),
         (
             {"plan": plan_of("round-robin", 3, hunters(2), 2, 4, most=1).parameters},
             'format is "round-robin" there, and "balanced" here',
         ),
         ({"terms": {"recorded": True}}, "recorded is not given there, and true here"),
-        ({"seed": "5"}, "its seed is another one; without --seed it keeps its own"),
-        ({"entrants": ENTRANTS[:2]}, "its agents are nearest idle random, and here nearest idle"),
         (changed(fault="it is broken"), "agent idle can begin there, and cannot begin here"),
         (changed(digest="0" * 16), "the digest of agent idle is"),
         (changed(spec="elsewhere.py"), None),
@@ -143,7 +139,10 @@ def changed(**facts):
     ],
 )
 def test_another_tournament_does_not_go_on_with_it_and_is_told_why(tmp_path, change, message):
-    """But the place of an agent's file does not matter, nor who would play prey where there is none."""
+    """But the place of an agent's file does not matter, nor who would play prey where there is none.
+
+    tests/cli/test_commands.py has other settings and agents, and test_secret.py has another seed.
+    """
     begun(tmp_path)
     other = dataclasses.replace(FACTS, **change)
     if message is None:
@@ -170,14 +169,6 @@ def test_it_keeps_its_secret_from_others_and_until_the_end(store, tmp_path, play
     assert store.ended
     store.set_planned(round_robin(3, hunters(2), 3, seed=4).size)
     assert not store.ended
-
-
-def test_nothing_is_overwritten_without_a_word(tmp_path):
-    begun(tmp_path)
-    with pytest.raises(
-        StoreError, match="holds a tournament already, with 0 of 12 matches played: go on with --resume"
-    ):
-        begin(tmp_path)
 
 
 def test_one_that_got_no_further_than_its_beginning_may_begin_as_another(tmp_path):

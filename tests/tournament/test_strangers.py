@@ -21,8 +21,8 @@ from catch_arena import scenario
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play_match
-from catch_arena.tournament.players import Players, inspector
+from catch_arena.tournament.match_loop import play_entrants
+from catch_arena.tournament.players import inspector
 from catch_arena.tournament.store import STORE
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=1"]
@@ -180,8 +180,7 @@ def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, 
     )
     path = write_agent(tmp_path / "answers.py", source, before="import os\nfrom contextlib import suppress\n")
     entrants = enter([path, "nearest"], inspector(sandbox))
-    with Players(entrants, sandbox) as players:
-        result = play_match(SHORT, 3, players, ["x", "nearest"])
+    result = play_entrants(SHORT, 3, entrants, sandbox)
     assert result.forfeit_codes[1] is None
     assert result.forfeits[0].reason.isprintable()
     assert len(result.forfeits[0].reason) <= 300

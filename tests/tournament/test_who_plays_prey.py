@@ -8,14 +8,12 @@ from pathlib import Path
 
 import pytest
 from command_line import run
-from tournament.seats import hunters
 
-from catch_arena import Replay, scenario
+from catch_arena import Replay
 from catch_arena.errors import OtherTournamentError
 from catch_arena.report import REPORT
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.plans.schedule import round_robin
-from catch_arena.tournament.store import Store, Tournament
+from catch_arena.tournament.store import Store
 
 AGENTS = ["nearest", "patrol", "first", "corners", "random"]
 AS_PREY = ["corners", "first (plays flee)", "nearest (plays flee)", "patrol (plays flee)", "random"]
@@ -79,15 +77,12 @@ def test_replays_and_the_report(played):
     assert f"flee, <code>{DIGESTS['flee']}</code>" in page
 
 
-def test_another_shipped_prey_does_not_go_on_with_a_tournament_that_it_plays_in(tmp_path):
-    entrants = enter(AGENTS)
-    plan = round_robin(5, hunters(5), 1, seed=4)
-    about = Tournament(scenario("tag", time_limit_s=2), entrants, plan.parameters, "0")
-    with Store.begin(about, tmp_path) as store:
-        store.set_planned(plan.size)
-    other = (dataclasses.replace(entrants[0], prey_digest="0" * 16), *entrants[1:])
+def test_another_shipped_prey_does_not_go_on_with_a_tournament_that_it_plays_in(played):
+    folder, _ = played
+    about = Store.tournament_in(folder)
+    other = (dataclasses.replace(about.entrants[0], prey_digest="0" * 16), *about.entrants[1:])
     with (
         pytest.raises(OtherTournamentError, match="the prey digest of agent nearest is"),
-        Store.begin(dataclasses.replace(about, entrants=other), tmp_path, resume=True),
+        Store.begin(dataclasses.replace(about, entrants=other), folder, resume=True),
     ):
         pass

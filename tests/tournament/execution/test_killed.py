@@ -13,10 +13,10 @@ from pathlib import Path
 import pytest
 from isolation_levels import LEVELS
 from tournament.agents import LEAVES_A_CHILD, write_agent
+from tournament.runs import exported
 
 from catch_arena.errors import StoreError
 from catch_arena.interrupts import descendants
-from catch_arena.tournament.export import export
 from catch_arena.tournament.store import Store
 
 WORDS = (
@@ -65,12 +65,6 @@ KILLS = (
 A block has two matches, so the third `_keep` is in the middle of a transaction. `Path.replace` ends each replay: the
 fourth that is not called leaves half of a block's replays, and a temporary file.
 """
-
-
-def exported(folder: Path) -> bytes:
-    with Store.read(folder) as store:
-        export(store, folder / "matches.jsonl", timing=False)
-    return (folder / "matches.jsonl").read_bytes()
 
 
 def kept(folder: Path) -> int:

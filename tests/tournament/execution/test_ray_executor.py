@@ -8,14 +8,14 @@ from pathlib import Path
 import pytest
 from command_line import run
 from tournament.agents import dies_once
+from tournament.runs import exported
 
 from catch_arena import scenario
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.execution.ray_executor import require_same
-from catch_arena.tournament.export import export
-from catch_arena.tournament.store import Store, versions
+from catch_arena.tournament.store import versions
 
 WORDS = ["nearest", "crashes.py", "--scenario", "duel", "--set", "time_limit_s=3", "--rounds", "4", "--record"]
 WORDS += ["--seed", "0", "--trusted", "--max-forfeits", "3"]
@@ -26,12 +26,6 @@ def played(folder, name: str, *words: str):
     command = [sys.executable, "-m", "catch_arena", "tournament", "dies_once.py", *WORDS]
     words = (*command, "--out", name, *words)
     return subprocess.run(words, check=False, cwd=folder, capture_output=True, text=True, timeout=300)
-
-
-def exported(folder) -> bytes:
-    with Store.read(folder) as store:
-        export(store, folder / "matches.jsonl", timing=False)
-    return (folder / "matches.jsonl").read_bytes()
 
 
 @pytest.mark.extras

@@ -13,8 +13,8 @@ from catch_arena.interrupts import descendants
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play_match
-from catch_arena.tournament.players import Players, inspector
+from catch_arena.tournament.match_loop import play_entrants
+from catch_arena.tournament.players import inspector
 
 BAD = Path(__file__).parent / "bad"
 SHORT = scenario("duel", time_limit_s=4)
@@ -98,8 +98,7 @@ def played(tmp_path):
     def match(sandbox, *names, record=None):
         entrants = enter(list(map(spec, names)), inspector(sandbox))
         config = SHORT.replace(hunters=len(entrants))
-        with Players(entrants, sandbox) as players:
-            return play_match(config, 3, players, [one.name for one in entrants], record=record)
+        return play_entrants(config, 3, entrants, sandbox, record=record)
 
     return match
 
@@ -176,8 +175,7 @@ def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_noth
 def test_one_that_prints_nowhere_plays_on(sandbox, tmp_path, closing):
     (tmp_path / "quiet.py").write_text(source(before=f"import sys\n{closing}\n"))
     entrants = enter([str(tmp_path / "quiet.py"), "idle"], inspector(sandbox))
-    with Players(entrants, sandbox) as players:
-        assert play_match(SHORT, 1, players, ["quiet", "idle"]).forfeit_codes == (None, None)
+    assert play_entrants(SHORT, 1, entrants, sandbox).forfeit_codes == (None, None)
 
 
 def test_a_child_that_would_outlive_its_parent_does_not(sandbox, played):
@@ -217,6 +215,8 @@ EXITS = "import os\nos.write(2, b'hello\\nlast line\\n')\nos._exit(7)\n"
 @pytest.mark.parametrize(
     ("source", "reason"),
     [
+        ("class Agnet: pass\n", "mine.py: has no class Agent; did you mean Agnet?"),
+        ("class Agent:\n    def __init__(self): 1 / 0\n", "Agent() raised ZeroDivisionError: division by zero"),
         (EXITS, 'init: its process exited with code 7; its last line: "last line"'),
         ("import ctypes\nctypes.string_at(0)\n", "init: its process was ended by SIGSEGV"),
         ("raise KeyboardInterrupt\n", 'init: its process exited with code 1; its last line: "KeyboardInterrupt"'),
@@ -230,35 +230,17 @@ EXITS = "import os\nos.write(2, b'hello\\nlast line\\n')\nos._exit(7)\n"
         ("cmd:sh -c 'exit 255'", "init: its process exited with code 255"),
     ],
 )
-def test_one_that_ends_before_its_first_answer_is_told_how_and_its_output_is_kept(sandbox, tmp_path, source, reason):
+def test_one_that_cannot_begin_is_entered_and_forfeits_with_the_reason_and_its_output_is_kept(
+    sandbox, tmp_path, source, reason
+):
     path = tmp_path / "mine.py"
     path.write_text(source)
     entrants = enter([source if source.startswith("cmd:") else str(path), "idle"], inspector(sandbox))
-    assert entrants[0].fault == reason
-    with Players(entrants, sandbox) as players:
-        result = play_match(SHORT, 1, players, ["mine", "idle"])
-    assert result.forfeits[0].reason == reason
+    assert entrants[0].fault.endswith(reason)
+    result = play_entrants(SHORT, 1, entrants, sandbox)
+    assert result.forfeit_codes == ("FORFEIT_INIT", None)
+    assert result.forfeits[0].reason == entrants[0].fault
     _, _, last_line = reason.partition("its last line: ")
     assert result.logs[0].endswith(last_line.strip('"'))
     assert result.logs[0].startswith("hello\n") == (source is EXITS)
-
-
-@pytest.mark.parametrize(
-    ("source", "reason"),
-    [
-        ("class Agent\n", "importing it raised SyntaxError"),
-        ("import os\nos._exit(1)\n", "init: its process"),
-        ("class Agnet: pass\n", "has no class Agent; did you mean Agnet"),
-        ("class Agent:\n    def __init__(self): 1 / 0\n", r"Agent\(\) raised ZeroDivisionError"),
-    ],
-)
-def test_one_that_cannot_begin_is_entered_and_forfeits_every_match(sandbox, tmp_path, source, reason):
-    path = tmp_path / "mine.py"
-    path.write_text(source)
-    entrants = enter([str(path), "nearest"], inspector(sandbox))
-    assert re.search(reason, entrants[0].fault)
-    with Players(entrants, sandbox) as players:
-        result = play_match(SHORT, 1, players, ["mine", "nearest"])
-    assert result.forfeit_codes == ("FORFEIT_INIT", None)
-    assert result.forfeits[0].reason == entrants[0].fault
-    assert sorted(entry.name for entry in tmp_path.iterdir()) == ["mine.py"]
+    assert [entry.name for entry in tmp_path.iterdir()] == ["mine.py"]

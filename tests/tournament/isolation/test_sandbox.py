@@ -20,7 +20,7 @@ from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import shipped
-from catch_arena.tournament.match_loop import MatchStopped, play_match
+from catch_arena.tournament.match_loop import MatchStopped, play_entrants, play_match
 from catch_arena.tournament.players import Players, inspector
 
 SHORT = scenario("duel", time_limit_s=10)
@@ -38,8 +38,7 @@ def alone(name):
 
 
 def played(config, entrants, sandbox, **options):
-    with Players(entrants, sandbox) as players:
-        return play_match(config, 7, players, [one.name for one in entrants], **options)
+    return play_entrants(config, 7, entrants, sandbox, **options)
 
 
 def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):

@@ -16,8 +16,8 @@ from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match_loop import play_match
-from catch_arena.tournament.players import Players, inspector
+from catch_arena.tournament.match_loop import play_entrants
+from catch_arena.tournament.players import inspector
 
 DOCS = Path(__file__).parents[3] / "docs" / "howto" / "isolation.md"
 SHORT = scenario("duel", time_limit_s=1)
@@ -61,8 +61,7 @@ def evaluate(tmp_path):
         (folder / "asks.json").write_text(json.dumps(questions))
         entrants = enter([str(folder / "asks.py"), "idle"], inspector(sandbox))
         for _ in range(matches):
-            with Players(entrants, sandbox) as players:
-                result = play_match(SHORT, 1, players, ["asks", "idle"])
+            result = play_entrants(SHORT, 1, entrants, sandbox)
             assert result.forfeit_codes == (None, None), result.forfeits
         return json.loads(result.logs[0])
 
@@ -102,8 +101,7 @@ def test_an_agent_plays_from_any_place_with_what_is_its_own(sandbox, tmp_path, p
         weights.write_bytes(b"1")
         entrants = enter([str(own), "idle"], inspector(sandbox))
         assert (entrants[0].name, entrants[0].fault) == (name, None)
-        with Players(entrants, sandbox) as players:
-            assert play_match(SHORT, 1, players, ["own", "idle"]).forfeit_codes == (None, None)
+        assert play_entrants(SHORT, 1, entrants, sandbox).forfeit_codes == (None, None)
     finally:
         shutil.rmtree(own, ignore_errors=True) if form == "folder" and place != "a link" else own.unlink()
         if form == "file":
@@ -213,8 +211,7 @@ def test_a_hand_in_that_vanishes_forfeits_and_the_other_plays_on(level, tmp_path
     with Sandbox(Quotas(isolation=level, **FREE)) as sandbox:
         entrants = enter([str(path), "idle"], inspector(sandbox))
         path.unlink()
-        with Players(entrants, sandbox) as players:
-            result = play_match(SHORT, 1, players, ["mine", "idle"])
+        result = play_entrants(SHORT, 1, entrants, sandbox)
     assert result.forfeit_codes == ("FORFEIT_INIT", None)
     assert "No such file or directory" in result.forfeits[0].reason
 
@@ -229,7 +226,6 @@ def test_a_command_in_another_language_plays_as_pythons_nearest_does(sandbox, tm
     results = []
     for spec in (f"cmd:sh {tmp_path}/bot.sh", "nearest"):
         entrants = enter([spec, "idle"], inspector(sandbox))
-        with Players(entrants, sandbox) as players:
-            results.append(play_match(config, 1, players, ["bot", "idle"]))
+        results.append(play_entrants(config, 1, entrants, sandbox))
     assert results[0] == results[1]
     assert results[0].scores[0] > 0
