@@ -8,15 +8,13 @@ import json
 import os
 import re
 import shutil
-import signal
-import subprocess
 import sys
-import time
 from datetime import datetime
 from pathlib import Path
 
 import pytest
 from command_line import run
+from interrupts.commands import Command
 from tournament.agents import source
 
 import catch_arena
@@ -232,34 +230,17 @@ def test_only_one_command_grades_into_a_folder(tmp_path):
 def test_after_an_interrupt_what_was_graded_is_kept_and_no_process_is_left(tmp_path):
     write_class(tmp_path, {"a.py": GOOD, "b.py": source("while True: pass"), "c.py": GOOD})
     words = ["grade", "class", "--spec", "spec.toml", "--jobs", "2"]
-    command = [sys.executable, "-m", "catch_arena", *words]
-    running = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    assert running.stdout.readline() == "a: 3 of 3 points\n"
-    running.send_signal(signal.SIGINT)
-    _, stderr = running.communicate(timeout=30)
-    assert running.returncode == 130
-    assert re.search(r"interrupted: what was graded is kept; the same command continues\n", stderr)
-    end = time.monotonic() + 5
-    while (left := _naming(str(tmp_path))) and time.monotonic() < end:
-        time.sleep(0.05)
-    assert not left
+    command = Command(tmp_path, words)
+    assert command.process.stdout.readline() == "a: 3 of 3 points\n"
+    command.interrupt()
+    ended = command.ended()
+    assert (ended.status, ended.left) == (130, [])
+    assert "interrupted: what was graded is kept; the same command continues\n" in ended.errors
     (tmp_path / "class" / "b.py").write_text(source("1 / 0"))
-    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, check=False)
-    assert (done.returncode, "b: 0 of 3 points" in done.stdout) == (0, True)
-    assert "a: 3 of 3 points, as graded before\n" in done.stdout
+    done = Command(tmp_path, words).ended()
+    assert (done.status, "b: 0 of 3 points" in done.output) == (0, True)
+    assert "a: 3 of 3 points, as graded before\n" in done.output
     assert marks_in(tmp_path / "class_spec_grades")["b"]["points"] == "0"
-
-
-def _naming(folder):
-    found = []
-    for path in Path("/proc").glob("[0-9]*/cmdline"):
-        try:
-            words = path.read_bytes()
-        except OSError:
-            continue
-        if folder.encode() in words:
-            found.append(words)
-    return found
 
 
 @pytest.mark.parametrize("failures", [1, 2, 3])

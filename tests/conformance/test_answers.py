@@ -192,13 +192,6 @@ def test_whatever_an_arena_does_wrong_is_told_in_words(method: str, answer: Any,
     assert any(got in difference.got for failure in report.failures for difference in failure.differences)
 
 
-def test_there_must_be_something_to_try_and_such_a_case():
-    with pytest.raises(ConfigError, match="an arbiter or an arena"):
-        run_conformance()
-    with pytest.raises(ConfigError, match="no case begins with 'reech': did you mean reach"):
-        run_conformance(arbitrate, only=["reech"])
-
-
 def test_an_arbiter_alone_does_not_pass_by_playing_nothing():
     report = run_conformance(arbitrate, only=["spawning"])
     assert not report.passed

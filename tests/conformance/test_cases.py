@@ -11,7 +11,6 @@ from oracle.arithmetic import SERVICE_LOT, TIE_LOT, draw, key
 from catch_arena.arbitration import arbitrate
 from catch_arena.conformance.cases import DEFAULTS, ArbiterCase, load_cases
 from catch_arena.errors import ConfigError
-from catch_arena.files import tomllib
 from catch_arena.verdicts import Verdict
 
 ROOT = Path(__file__).parents[2]
@@ -23,13 +22,6 @@ ARBITER_CASES = [case for case in CASES if isinstance(case, ArbiterCase)]
 def test_there_are_as_many_cases_as_the_page_says_and_an_id_is_used_once():
     assert len(CASES) > 200
     assert [name for name, count in Counter(case.id for case in CASES).items() if count > 1] == []
-
-
-def test_an_id_begins_with_the_name_of_its_file():
-    folder = ROOT / "catch_arena" / "conformance" / "cases"
-    for path in folder.glob("*.toml"):
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
-        assert all(case["id"].startswith(f"{path.stem}.") for cases in tables.values() for case in cases)
 
 
 def test_every_clause_of_chapter_5_has_a_case():

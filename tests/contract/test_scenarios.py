@@ -1,15 +1,9 @@
-"""Every scenario with uncertainty is played in tournaments, and SuperSuit keeps agents that have left."""
+"""SuperSuit keeps agents that have left."""
 
 import pytest
 import supersuit
-from command_line import run
 
 import catch_arena
-from catch_arena.replay import Replay
-from catch_arena.replay.comparison import verify
-
-UNCERTAIN = ["wander", "evasive", "fog", "blinkers", "unequal", "dropout"]
-"""Scenarios in which something moves, is not seen, differs by seat or leaves."""
 
 
 @pytest.mark.rule("R1.7")
@@ -41,19 +35,3 @@ def test_r1_7_supersuits_black_death_keeps_the_agents_that_have_left(dropouts):
                 assert rewards[hunter.name] == 0 or not hunter.withdrawn
         assert steps == 30 or all(hunter.withdrawn for hunter in plain.world().hunters)
     assert left > 10 if dropouts == "leave" else left == 0
-
-
-@pytest.mark.parametrize("name", UNCERTAIN)
-def test_a_tournament_is_played_rated_and_recorded(name, tmp_path):
-    """With nobody forfeiting, and replays that are true."""
-    out = tmp_path / "results"
-    words = ["nearest", "intercept", "first", "idle", "--scenario", name, "--set", "time_limit_s=4"]
-    result = run("tournament", *words, "--rounds", "1", "--record", "--out", str(out))
-    assert result.exit_code == 0, result.output
-    assert "forfeit" not in result.output.lower()
-    replays = sorted((out / "replays").rglob("*.replay"))
-    assert replays
-    for path in replays[:2]:
-        replay = Replay.load(path)
-        assert list(verify(replay)) == []
-        assert replay.config.dropout_rate == catch_arena.SCENARIOS[name].dropout_rate

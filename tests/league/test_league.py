@@ -15,6 +15,7 @@ from types import SimpleNamespace
 
 import pytest
 from command_line import run
+from tournament.agents import source
 from tournament.runs import run as play
 
 from catch_arena.cli import league as league_command
@@ -37,20 +38,10 @@ from catch_arena.tournament.store import Store, only_one_plays_in
 
 ARENA = ["-s", "duel", "--set", "time_limit_s=3", "--limit", "isolation=processes", "--jobs", "1", "--seed", "5"]
 SHORT = [*ARENA, "--precision", "400", "--max-matches", "20"]
-AGENT = """
-class Agent:
-    control = "target"
-
-    def reset(self, seed):
-        {reset}
-
-    def act(self, view):
-        {act}
-"""
 
 
-def agent(act="return 1 if view.targets else 0", reset="pass"):
-    return AGENT.format(act=act, reset=reset)
+def agent(act="return 1 if view.targets else 0", **parts):
+    return source(act, **parts)
 
 
 def entries(made):
@@ -148,7 +139,7 @@ def test_bad_entries_cost_only_themselves(folder):
     (folder / "syntax.py").write_text("class Agent(:")
     (folder / "crash.py").write_text(agent("return 1 / 0"))
     (folder / "hang").mkdir()
-    (folder / "hang" / "agent.py").write_text(agent("\n        while True: pass"))
+    (folder / "hang" / "agent.py").write_text(agent("while True: pass"))
     (folder / "flood.py").write_text(agent("print('x' * 100_000); return 0"))
     shutil.copytree(folder / "ann", folder / "copy")
     (folder / "book.ipynb").write_text("{}")
@@ -179,7 +170,7 @@ def test_bad_entries_cost_only_themselves(folder):
 
 
 def test_the_site_shows_no_seed_no_source_and_no_log_of_others(folder):
-    (folder / "bob" / "agent.py").write_text("SOURCE_OF_BOB = 1\n" + agent(reset="print('log of bob')"))
+    (folder / "bob" / "agent.py").write_text(agent(reset="print('log of bob')", before="SOURCE_OF_BOB = 1"))
     league(folder)
     with Store.read(folder / ".league") as store:
         seeds = {str(one.match.seed) for one in store.played()} | {

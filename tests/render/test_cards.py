@@ -5,7 +5,6 @@ from render.pictured import SIZES, assert_inside, assert_texts_apart, kinds
 from render.videos import decoded, drawn, psnr
 
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import ConfigError
 from catch_arena.render import cards, hud
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Label
@@ -76,20 +75,6 @@ def test_the_title_tells_the_goal_whole(area, settings):
 def test_a_shape_gives_the_size(play, tmp_path, shape, size, even):
     report = render_replay(play("duel", max_cycles=2), tmp_path / "v.mp4", shape=shape, size=size, fps=1, start_s=0.0)
     assert report.size == even
-
-
-@pytest.mark.parametrize(
-    ("settings", "message"),
-    [
-        ({"shape": "round"}, "shape must be one of landscape, portrait, square, got 'round'"),
-        ({"shape": "portrait", "size": (1280, 720)}, "size must be portrait, got 1280x720, which is landscape"),
-        ({"captions": "loud"}, "captions must be one of plain, clauses, none, got 'loud'"),
-    ],
-)
-def test_a_shape_or_size_that_cannot_be_is_refused(match, tmp_path, settings, message):
-    with pytest.raises(ConfigError, match=message):
-        render_replay(match, tmp_path / "v.mp4", **settings)
-    assert list(tmp_path.iterdir()) == []
 
 
 @pytest.mark.parametrize("size", [size for size in SIZES if size[0] >= 1.25 * size[1]])

@@ -132,6 +132,9 @@ def test_an_end_after_the_end_is_the_end(match):
         ({"start_s": 2.0, "end_s": 1.0}, r"the end must be after the start, 2 s, got 1.0"),
         ({"end_s": float("nan")}, r"the end must be after the start, 0 s, got nan"),
         ({"layout": "brodcast"}, "layout must be one of broadcast, arena, got 'brodcast'"),
+        ({"shape": "round"}, "shape must be one of landscape, portrait, square, got 'round'"),
+        ({"shape": "portrait", "size": (1280, 720)}, "size must be portrait, got 1280x720, which is landscape"),
+        ({"captions": "loud"}, "captions must be one of plain, clauses, none, got 'loud'"),
     ],
 )
 def test_settings_that_cannot_be(match, tmp_path, settings, message):

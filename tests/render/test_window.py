@@ -111,15 +111,6 @@ def test_without_a_display_it_says_so_each_time(driver):
             env.reset(seed=3)
 
 
-def test_a_window_that_nobody_can_see_says_so(driver, monkeypatch):
-    """SDL's last resort draws into memory."""
-    driver("dummy")
-    monkeypatch.setattr(pygame.display, "get_driver", lambda: "offscreen")
-    with pytest.raises(OutputError, match="needs a display: none was found"):
-        Window("Catch Arena", (400, 320))
-    assert not pygame.display.get_init()
-
-
 def test_an_env_shows_the_way_between_its_steps(driver, clock, monkeypatch):
     driver("dummy")
     shown = []

@@ -45,8 +45,6 @@ def test_forfeits_are_told_with_code_reason_and_place(tmp_path):
 
 
 def test_a_tournament_without_matches_has_no_report(tmp_path):
-    with pytest.raises(StoreError, match="holds no tournament"):
-        write_report(tmp_path)
     tournament(tmp_path, 1, most=0)
     with pytest.raises(StoreError, match="no match has been played yet"):
         write_report(tmp_path)
@@ -56,10 +54,6 @@ def test_a_match_that_is_asked_for_is_there_whatever_the_budget(played):
     data = ReportData.of(played)
     last = max(data.recorded)
     assert list(select_matches(data, 0, [last])) == [last]
-    with pytest.raises(
-        ReplayError, match="match nothing: cannot be shown; it must be a match that was played and recorded"
-    ):
-        select_matches(data, 0, ["nothing"])
 
 
 def test_the_page_does_without_a_recorded_match_that_cannot_be_read(played, tmp_path):

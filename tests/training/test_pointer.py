@@ -13,7 +13,6 @@ from catch_arena.batch_policy import BatchView
 from catch_arena.errors import ConfigError
 from catch_arena.layout import prey_observation_size
 from catch_arena.policy import Limits, View
-from catch_arena.tournament.entrants import enter
 from catch_arena.training.networks import Mlp
 from catch_arena.training.pointer import CONTROL_OF, PointerAgent, PointerNetwork, weight_shapes
 
@@ -101,17 +100,6 @@ def test_nothing_in_a_file_of_weights_is_run(tmp_path):
     np.savez(tmp_path / "evil.npz", head=np.array([Evil()], dtype=object))
     with pytest.raises(ConfigError, match=r"evil\.npz"):
         PointerNetwork.load(tmp_path / "evil.npz")
-
-
-def test_an_agents_digest_is_also_of_the_weights_beside_it(tmp_path):
-    """A network that has learned more is another entrant."""
-    file = tmp_path / "mine.py"
-    file.write_text((Path(agents.__path__[0]) / "ppo_destination.py").read_text())
-    network(seed=1).save(tmp_path / "mine.npz")
-    (first,) = enter([str(file)])
-    network(seed=2).save(tmp_path / "mine.npz")
-    (second,) = enter([str(file)])
-    assert first.digest != second.digest
 
 
 def test_the_weights_that_ship_are_small_finite_and_no_pickles():

@@ -9,7 +9,6 @@ from catch_arena.core import rows, state
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET
 from catch_arena.core.vectors import LANES
 from catch_arena.engine import Engine
-from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
 from catch_arena.errors import ConfigError
 from catch_arena.policy import Limits
 from catch_arena.scenarios import scenario
@@ -68,24 +67,6 @@ def test_lanes_that_are_no_arenas_get_no_answers(control):
     tallies = seats[:, rows.TALLIES // LANES :]
     assert not tallies[:, :, 5:].any()
     assert tallies[:, :, :5].any()
-
-
-def test_seeds_are_checked_and_derived():
-    """One for each arena, in range; rows and episodes get seeds of their own."""
-    engine = Engine(scenario("duel"), 2)
-    with pytest.raises(ConfigError, match="seeds must be one for each of 2 arenas, got 3"):
-        engine.reset([1, 2, 3])
-    with pytest.raises(ConfigError, match="seed must be a whole number"):
-        engine.reset([1, -1])
-    engine.reset([2**64 - 1, 0])
-
-    assert engine.seeds().tolist() == [2**64 - 1, 0]
-
-    seeds = batch_seeds(3, 1000)
-
-    assert len(set(seeds.tolist())) == 1000
-    assert (seeds[:10] == batch_seeds(3, 10)).all()
-    assert not set(next_seeds(seeds).tolist()) & set(seeds.tolist())
 
 
 def test_targets_are_put_where_they_have_been_for_some_time():
