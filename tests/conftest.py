@@ -5,7 +5,7 @@ import os
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
 
@@ -49,6 +49,22 @@ def catch_arena(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[...
 
     monkeypatch.chdir(tmp_path)
     return run
+
+
+@pytest.fixture
+def without_a_screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """Small windows in memory, on a machine that is never busy: nobody waits for a frame, and none is left open."""
+    from catch_arena.render.optional_imports import pygame
+
+    class SteadyClock:
+        def tick(self, frames_per_s: int = 0) -> int:
+            return 1000 // frames_per_s if frames_per_s else 0
+
+    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
+    monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
+    monkeypatch.setattr("catch_arena.cli.matches._SIZE", (320, 320))
+    yield
+    pygame.display.quit()
 
 
 @pytest.fixture(autouse=True)

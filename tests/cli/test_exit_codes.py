@@ -3,15 +3,9 @@
 import re
 
 import pytest
-from command_line import run
+from command_line import commands, run
 
-from catch_arena.cli.app import GROUPS
-from catch_arena.cli.ros import ros
-
-COMMANDS = [
-    *([name] for names in GROUPS.values() for name in names),
-    *(["ros", one.name or one.callback.__name__] for one in ros.registered_commands),
-]
+COMMANDS = [["ros"], *(words for words, _ in commands())]
 
 
 @pytest.mark.parametrize("columns", [40, 100])

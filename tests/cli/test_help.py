@@ -5,14 +5,13 @@ from inspect import cleandoc
 from pathlib import Path
 
 import pytest
-from command_line import run
+from command_line import commands, run
 from typer.main import get_command
 
 from catch_arena.cli import main
 from catch_arena.cli.app import GROUPS
 
 ROOT = Path(__file__).parents[2]
-COMMANDS = [[name] for names in GROUPS.values() for name in names]
 
 
 def help_of(words, columns):
@@ -21,15 +20,7 @@ def help_of(words, columns):
     return result.output
 
 
-def commands_below(group, words=()):
-    for name, command in group.commands.items():
-        if hasattr(command, "commands"):
-            yield from commands_below(command, (*words, name))
-        else:
-            yield [*words, name], command
-
-
-ALL = list(commands_below(get_command(main)))
+ALL = list(commands())
 
 
 @pytest.mark.parametrize("columns", [40, 80, 120])
@@ -76,7 +67,7 @@ def test_every_page_of_the_documentation_is_listed_and_printed():
 
 def test_what_users_read_names_pages_as_the_command_that_prints_them():
     """A user of the wheel has no folder docs/. Docstrings of modules and functions are for readers of the sources."""
-    helps = "".join(help_of(words, 120) for words in [*COMMANDS, ["ros", "serve"], ["ros", "bag"], ["ros", "spawner"]])
+    helps = "".join(help_of(words, 120) for words in [["ros"], *(words for words, _ in ALL)])
     assert "docs/" not in helps
     sources = "".join(path.read_text() for path in (ROOT / "catch_arena").rglob("*.py"))
     named = set(re.findall(r"`catch-arena docs (\w+)`", sources))

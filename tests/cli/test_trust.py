@@ -11,6 +11,7 @@ from catch_arena.render.optional_imports import pygame
 from catch_arena.scenarios import scenario
 from catch_arena.suite.contents import Suite, SuiteScenario
 
+pytestmark = pytest.mark.usefixtures("without_a_screen")
 MARK = "CATCH_ARENA_TEST_MARK"
 AGENT = f"""
 import os
@@ -58,19 +59,9 @@ RUNS = {
 EXIT_CODES = {"compare": {0, 1, 3}}
 
 
-class SteadyClock:
-    """Clock that never waits for a frame."""
-
-    def tick(self, frames_per_s=0):
-        return 1000 // frames_per_s if frames_per_s else 0
-
-
 @pytest.fixture
 def run(monkeypatch, tmp_path):
     """Runs a command with the agent; whether the agent was in one of our own processes."""
-    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
-    monkeypatch.setattr("catch_arena.cli.matches._SIZE", (320, 320))
     monkeypatch.setattr("catch_arena.suite.contents.SUITE", SMALL_SUITE)
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("ROS_LOCALHOST_ONLY", "1")
@@ -91,8 +82,7 @@ def run(monkeypatch, tmp_path):
         assert "FORFEIT" not in result.output
         return (tmp_path / "mark").exists()
 
-    yield run
-    pygame.display.quit()
+    return run
 
 
 AGAIN = {"match": ["--force"], "tournament": ["--out", "trusted"], "suite": ["--out", "trusted"]}

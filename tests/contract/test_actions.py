@@ -30,40 +30,33 @@ def outcome(call):
         return None
 
 
-def in_parallel(form):
-    arena = parallel_env(DUEL)
+def in_parallel(control, *actions):
+    arena = parallel_env(DUEL, control=control)
     arena.reset(seed=SEED)
-    arena.step({"hunter_0": form, "hunter_1": 0})
+    arena.step(dict(zip(arena.agents, actions, strict=True)))
     return arena.digest()
 
 
-def in_parallel_under_full_control(form):
-    arena = parallel_env(DUEL, control=("full", "target"))
+def in_turns(control, *actions):
+    arena = env(DUEL, control=control)
     arena.reset(seed=SEED)
-    arena.step({"hunter_0": {"cmd_vel": (1.0, 0.0), "catch": form}, "hunter_1": 0})
+    for action in actions:
+        arena.step(action)
     return arena.digest()
 
 
-def in_turns(form):
-    arena = env(DUEL)
-    arena.reset(seed=SEED)
-    arena.step(form)
-    arena.step(0)
-    return arena.digest()
-
-
-def in_a_batch(form):
-    arena = VectorArena(DUEL, 1)
+def in_a_batch(*actions, **settings):
+    arena = VectorArena(DUEL, 1, **settings)
     arena.reset(seed=[SEED])
-    arena.step([[form, 0]])
+    arena.step(*actions)
     return arena.digest(0)
 
 
-def in_a_batch_under_full_control(form):
-    arena = VectorArena(DUEL, 1, any_control=True)
-    arena.reset(seed=[SEED])
-    arena.step(((form, 0),), np.zeros((1, 2, 2)))
-    return arena.digest(0)
+def by_learners(actions, **settings):
+    batch = LearnerBatch(DUEL, 1, **settings)
+    batch.reset(seed=SEED)
+    batch.step(actions)
+    return batch.arena.digest(0)
 
 
 class Means:
@@ -82,46 +75,22 @@ class MeansInBatches(Means):
         return [self.form]  # of the one hunter that it plays
 
 
-def learner(form, other=0):
-    batch = LearnerBatch(DUEL, 1, opponents=Means(other))
-    batch.reset(seed=SEED)
-    batch.step([form])
-    return batch.arena.digest(0)
-
-
-def learners(form):
-    batch = LearnerBatch(DUEL, 1)
-    batch.reset(seed=SEED)
-    batch.step([form, 0])
-    return batch.arena.digest(0)
-
-
-def opponent(form):
-    return learner(0, form)
-
-
-def opponent_in_batches(form):
-    batch = LearnerBatch(DUEL, 1, opponents=MeansInBatches(form))
-    batch.reset(seed=SEED)
-    batch.step([0])
-    return batch.arena.digest(0)
+PLAYED = {
+    "parallel": lambda form: in_parallel("target", form, 0),
+    "parallel, full control": lambda form: in_parallel(("full", "target"), {"cmd_vel": (1.0, 0.0), "catch": form}, 0),
+    "turns": lambda form: in_turns("target", form, 0),
+    "batch": lambda form: in_a_batch([[form, 0]]),
+    "batch, any control": lambda form: in_a_batch(((form, 0),), np.zeros((1, 2, 2)), any_control=True),
+    "learner": lambda form: by_learners([form], opponents=Means()),
+    "learners": lambda form: by_learners([form, 0]),
+    "opponent": lambda form: by_learners([0], opponents=Means(form)),
+    "opponent in batches": lambda form: by_learners([0], opponents=MeansInBatches(form)),
+}
+"""The digest after a step in which a hunter chooses this form of a rank, by environment."""
 
 
 @pytest.mark.parametrize("name", [*RANK_1, *NO_RANK])
-@pytest.mark.parametrize(
-    "played",
-    [
-        in_parallel,
-        in_parallel_under_full_control,
-        in_turns,
-        in_a_batch,
-        in_a_batch_under_full_control,
-        learner,
-        learners,
-        opponent,
-        opponent_in_batches,
-    ],
-)
+@pytest.mark.parametrize("played", PLAYED.values(), ids=PLAYED)
 def test_a_form_of_a_rank_is_legal_in_every_environment_or_in_none(played, name):
     """Whatever `operator.index` takes, and an array or a tensor with one such element."""
     assert played(1) not in (None, played(0))
@@ -143,7 +112,7 @@ def test_a_form_of_a_rank_is_legal_in_every_process_or_in_none(level):
         if sandbox:
             sandbox.close()
 
-    assert found == dict.fromkeys(RANK_1, in_parallel(1).hex()) | dict.fromkeys(NO_RANK, "FORFEIT_ILLEGAL")
+    assert found == dict.fromkeys(RANK_1, in_parallel("target", 1, 0).hex()) | dict.fromkeys(NO_RANK, "FORFEIT_ILLEGAL")
     assert len(found) == len(FORMS)
 
 
@@ -184,37 +153,16 @@ NO_VELOCITY = {
 
 def driven(control, form):
     """The digest after one step, in each kind of environment; None where it is refused."""
-
-    def action(pair):
-        return pair if control == "velocity" else {"cmd_vel": pair, "catch": 0}
-
-    def parallel():
-        arena = parallel_env(DUEL, control=control)
-        arena.reset(seed=SEED)
-        arena.step({"hunter_0": action(form), "hunter_1": action((0.0, 0.0))})
-        return arena.digest()
-
-    def turns():
-        arena = env(DUEL, control=control)
-        arena.reset(seed=SEED)
-        arena.step(action(form))
-        arena.step(action((0.0, 0.0)))
-        return arena.digest()
-
-    def batch():
-        arena = VectorArena(DUEL, 1, control=control)
-        arena.reset(seed=[SEED])
-        arena.step([[0, 0]], [[form, (0.0, 0.0)]])
-        return arena.digest(0)
-
-    def of_learners():
-        batch = LearnerBatch(DUEL, 1, control=control)
-        batch.reset(seed=SEED)
-        pairs = [form, (0.0, 0.0)]
-        batch.step(pairs if control == "velocity" else {"cmd_vel": pairs, "catch": [0, 0]})
-        return batch.arena.digest(0)
-
-    return [outcome(call) for call in (parallel, turns, batch, of_learners)]
+    pairs = [form, (0.0, 0.0)]
+    actions = pairs if control == "velocity" else [{"cmd_vel": pair, "catch": 0} for pair in pairs]
+    of_learners = pairs if control == "velocity" else {"cmd_vel": pairs, "catch": [0, 0]}
+    calls = (
+        lambda: in_parallel(control, *actions),
+        lambda: in_turns(control, *actions),
+        lambda: in_a_batch([[0, 0]], [pairs], control=control),
+        lambda: by_learners(of_learners, control=control),
+    )
+    return [outcome(call) for call in calls]
 
 
 @pytest.mark.parametrize("control", ["velocity", "full"])

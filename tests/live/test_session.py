@@ -6,13 +6,13 @@ import command_line
 import pytest
 
 from catch_arena import explain
-from catch_arena.cli import matches
 from catch_arena.live import match_window
 from catch_arena.render.optional_imports import pygame
 from catch_arena.replay import Replay
 from catch_arena.replay.comparison import verify
 from catch_arena.scenarios import SCENARIOS
 
+pytestmark = pytest.mark.usefixtures("without_a_screen")
 QUICK = ["--set", "time_limit_s=1"]
 
 
@@ -44,19 +44,9 @@ class Script:
         return [press(look)] if isinstance(look, int) else list(look)
 
 
-class SteadyClock:
-    """Pygame's on a machine that is never busy: every frame takes as long as it should, and nobody waits for it."""
-
-    def tick(self, frames_per_s=0):
-        return 1000 // frames_per_s if frames_per_s else 0
-
-
 @pytest.fixture
 def session(monkeypatch, tmp_path):
     """Runs a command with a script of keys."""
-    monkeypatch.setenv("SDL_VIDEODRIVER", "dummy")
-    monkeypatch.setattr(pygame.time, "Clock", SteadyClock)
-    monkeypatch.setattr(matches, "_SIZE", (320, 320))
     monkeypatch.chdir(tmp_path)
 
     def run(words, *looks):
@@ -64,8 +54,7 @@ def session(monkeypatch, tmp_path):
         monkeypatch.setattr(pygame.event, "get", script.get)
         return command_line.run(*words, *QUICK)
 
-    yield run
-    pygame.display.quit()
+    return run
 
 
 @pytest.fixture
