@@ -134,11 +134,8 @@ def test_what_may_be_broken_off_is_done_to_its_end_or_to_an_interrupt(tmp_path):
     program.interrupt()
     end = program.ended()
     assert (end.status, end.output, end.errors) == (130, "", LINE)  # what comes after it was not done to its end
-    program = started(tmp_path, command("interrupts.run_until_signal(lambda: None)", after, "time.sleep(60)"))
-    assert program.process.stdout.readline() == "after\n"
-    program.interrupt()
-    end = program.ended()
-    assert (end.status, end.output, end.errors) == (130, "", LINE)
+    ends_by_itself = command("interrupts.run_until_signal(lambda: None)", BEGUN, "time.sleep(60)")
+    assert interrupted(tmp_path, ends_by_itself) == (130, "", LINE)
 
 
 @pytest.mark.parametrize(("ends", "status"), [("", 0), ("sys.exit(3)", 3), ("return 2", 2), ("1 / 0", 2)])

@@ -77,7 +77,10 @@ def test_a_tournament_is_interrupted_after_its_first_block_and_goes_on_from_ther
     assert line_of(command)["kept"]
     with Store.read(folder / "o") as store:
         assert store.count_played() == 2
-    require_the_same_when_it_goes_on(words, folder, made)
+    again = called(*(word for word in words if word != "--watch"), "--resume")
+    assert "results: o" in again
+    called("export", "o", "--no-timing", "-o", "matches.jsonl")
+    assert (folder / "matches.jsonl").read_bytes() == (made / "matches.jsonl").read_bytes()
 
 
 @pytest.mark.parametrize("words", [("play", "--help"), MATCH], ids=["help", "match"])
@@ -88,10 +91,3 @@ def test_a_command_is_interrupted_when_it_has_just_begun(words, folder):
     command.interrupt([0.05])
     line_of(command)
     assert {path.name for path in folder.iterdir()} - before <= {"match.replay"}  # it may have ended
-
-
-def require_the_same_when_it_goes_on(words: tuple[str, ...], folder: Path, made: Path) -> None:
-    again = called(*(word for word in words if word != "--watch"), "--resume")
-    assert "results: o" in again
-    called("export", "o", "--no-timing", "-o", "matches.jsonl")
-    assert (folder / "matches.jsonl").read_bytes() == (made / "matches.jsonl").read_bytes()

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from suite.frozen import file_of, first_matches
 
-from catch_arena.suite.contents import LADDER, REFERENCES, SUITE
+from catch_arena.suite.contents import LADDER, QUICK_BLOCKS, REFERENCES, SUITE
 from catch_arena.suite.measures import REFERENCES_FILE, references
 from catch_arena.tournament.parties import Parties
 
@@ -62,6 +62,13 @@ def test_the_agent_plays_every_seat_of_a_block_once_on_the_same_targets(suite, s
         assert len({match.seed for match in block}) == 1
         assert len({tuple(sorted(match.seating)) for match in block}) == 1
     assert len({block[0].seed for block in blocks}) == suite.blocks
+
+
+def test_a_quick_look_plays_the_first_matches_of_the_protocol():
+    for one in SUITE.scenarios:
+        whole = list(SUITE.plan(one, SUITE.blocks))
+        quick = list(SUITE.plan(one, QUICK_BLOCKS))
+        assert whole[: len(quick)] == quick
 
 
 def test_references_are_of_this_suite_and_whole():
