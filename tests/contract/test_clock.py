@@ -1,14 +1,27 @@
-"""A match does not read the clock on the wall, which may jump while it is played."""
+"""Nothing reads the clock on the wall, which may jump while a match is played."""
 
 import random
+import re
 import time
+from pathlib import Path
 
+import catch_arena
 from catch_arena import scenario
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.players import inspector
+
+PACKAGE = Path(catch_arena.__file__).parent
+WALL = re.compile(
+    r"\btime\.(time|time_ns|localtime|gmtime|ctime|asctime|strftime)\b|\b(date|datetime)\.(now|utcnow|today)\b"
+)
+
+
+def test_no_module_asks_for_the_time_of_day_except_the_command_that_dates_the_runs_of_a_league():
+    found = [path for path in PACKAGE.rglob("*.py") if WALL.search(path.read_text(encoding="utf-8"))]
+    assert found == [PACKAGE / "cli" / "league.py"]
 
 
 def test_a_match_during_which_the_clock_jumps_by_years_comes_out_as_any_other(tmp_path, monkeypatch):
