@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from catch_arena import parallel_env, scenario
 from catch_arena.agents import intercept
 from catch_arena.agents.assignment import cheapest_assignment
-from catch_arena.agents.pid import Gains, Loop
 from catch_arena.agents.pure_pursuit import follow
 from catch_arena.agents.spoiler import leading_rival
 from catch_arena.agents.tour import PATIENCE_S, best_tour, leg_s
@@ -240,16 +239,6 @@ def test_pure_pursuit_drives_the_arc_that_passes_through_a_point():
         assert max(speed, abs(turn)) == pytest.approx(1.0)
     assert follow((-1.0, -0.1), limits) == (0.0, -1.0)
     assert follow((0.0, 0.0), limits) == (0.0, 0.0)
-
-
-def test_a_pid_loop_is_the_sum_of_its_three_parts_and_does_not_wind_up():
-    loop = Loop(Gains(2.0, 1.0, 0.5))
-    assert loop.command(1.0, 0.1, 9.0) == pytest.approx(2.0 * 1.0 + 1.0 * 0.1)
-    assert loop.command(0.8, 0.1, 9.0) == pytest.approx(2.0 * 0.8 + 1.0 * 0.18 + 0.5 * -2.0)
-    assert [loop.command(100.0, 0.1, 9.0) for _ in range(50)][-1] == 9.0
-    assert loop.integral == pytest.approx(0.18)
-    loop.restart()
-    assert loop.command(1.0, 0.1, 9.0) == pytest.approx(2.1)
 
 
 def test_pid_slows_down_towards_a_target_and_begins_anew_with_another():
