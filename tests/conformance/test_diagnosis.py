@@ -45,11 +45,52 @@ def minimal(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: A
     return rulings
 
 
+def service(*, hunters: Any, targets: Any, requests: Any, reach_m: float, **_: Any) -> list[Any]:
+    """The original's service, with the least that makes it a referee."""
+    left = dict(targets)
+    returned = []
+    for hunter, name in requests:
+        if name not in left:
+            returned.append(("UNKNOWN_TARGET", hunter, name, None, None))
+            continue
+        x, y = left[name]
+        dx, dy = hunters[hunter][0] - x, hunters[hunter][1] - y
+        if dx * dx + dy * dy <= reach_m:
+            del left[name]
+            returned.append(("GRANTED", hunter, name, None, None))
+        else:
+            returned.append(("OUT_OF_REACH", hunter, name, None, None))
+    return returned
+
+
+def first_come(*, hunters: Any, targets: Any, requests: Any, reach_m: Any, **_: Any) -> list[Any]:
+    """Take the requests in their order; no evidence, no duplicates, no hunters that are out."""
+    returned, taken = [], set()
+    for hunter, name in requests:
+        reach = reach_m if isinstance(reach_m, float) else reach_m[hunter]
+        if name not in targets:
+            verdict = "ALREADY_CAUGHT"
+        elif math.dist(hunters[hunter], targets[name]) >= reach:
+            verdict = "OUT_OF_REACH"
+        else:
+            verdict = "LOST_CONTEST" if name in taken else "GRANTED"
+            taken.add(name)
+        returned.append((verdict, hunter, name))
+    return returned
+
+
 @pytest.mark.parametrize("evidence", [True, False])
-def test_a_students_arbiter_is_told_its_mistakes_on_one_page(evidence):
+@pytest.mark.parametrize(
+    ("student", "named"),
+    [
+        (first_come, "first come, first served"),
+        (minimal, "reach is tested in floats, with <="),
+        (service, "the distance is squared: the square root is missing"),
+    ],
+)
+def test_a_students_arbiter_is_told_its_mistakes_on_one_page(student, named, evidence):
     """Each failure stands in one diagnosis; the first diagnoses have a case in full."""
-    named = "reach is tested in floats, with <="
-    report = run_conformance(minimal, evidence=evidence)
+    report = run_conformance(student, evidence=evidence)
     found = counts(report)
     assert named in found, str(report)
     assert ids(failure for one in report.diagnoses for failure in one.failures) == ids(report.failures)
