@@ -19,3 +19,4 @@ def test_it_ends_when_the_order_is_clear_after_whole_rounds():
     assert len(played) < plan.size == 3000
     assert len(played) % 6 == 0
     assert [one.match for one in played] == list(round_robin(3, hunters(2), len(played) // 6, 1))
+    assert len(list(next(plan.stages(list)))) == 9  # blocks before the first look, which needs 8: three rounds
