@@ -91,6 +91,7 @@ def _findings(
     name: str, config: ArenaConfig, result: MatchResult, step_ms: float, reported: set[tuple[str, str]]
 ) -> Iterator[Finding]:
     """Yield the findings of one match; failures in `reported` are shown briefly, and new ones are added to it."""
+    parties = Parties.of(config)
     failed: dict[tuple[str, str], tuple[int, Forfeit]] = {}  # the first of each kind
     for party, forfeit in enumerate(result.forfeits):
         if forfeit is not None:
@@ -105,14 +106,17 @@ def _findings(
     longest_ms = 1000.0 * max(times.longest_s for times in result.thinking)
     timing = f"{mean_ms:.1f} ms a step, at longest {longest_ms:.1f} of {step_ms:g}"
     if not failed:
-        hunting = Parties.of(config).hunting
+        hunting = parties.hunting
         scores = ", ".join(map(str, result.scores[:hunting]))
         what = "its score is" if hunting == 1 else f"its {hunting} copies score"
         caught = f"; caught, as prey: {', '.join(map(str, result.scores[hunting:]))}" if config.prey else ""
         yield Finding("ok", f"{name}: {result.steps} steps; {what} {scores}{caught}; {timing}")
     if longest_ms > step_ms:
         yield Finding("warning", f"{name}: is too slow: {timing}; what is over comes out of the bank of the match")
-    if not failed and (printed := next((log for log in result.logs if log), "")):
+    logs = zip(parties.seats, result.logs, strict=True)
+    # a team's log begins with a line that names the seat
+    printed = next((log.partition("\n")[2] if len(seats) > 1 else log for seats, log in logs if log), "")
+    if printed and not failed:
         first_line = printed.lstrip().partition("\n")[0][:80]
         yield Finding("warning", f"{name}: prints, which goes to its log: {first_line!r}")
     for verdict in (Verdict.MALFORMED, Verdict.OUT_OF_REACH):

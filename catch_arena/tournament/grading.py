@@ -175,7 +175,7 @@ def _grade(test: GradingTest, played: Sequence[GradedMatch], parties: Parties, s
         scores[side].append(result.scores[party])
         forfeit, cut = result.forfeits[party], parties.on(side)
         if len(result.ranks[cut]) > 1 or len(parties.sides) == 1:  # an only prey has no other prey to win against
-            wins.append(0.0 if forfeit else result.win_share(party, cut))
+            wins.append(result.win_share(party, cut))
         if forfeit is not None and forfeit.code not in forfeits:
             forfeits[forfeit.code] = forfeit
             log = log or last_lines(result.logs[party])

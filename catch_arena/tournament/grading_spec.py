@@ -16,6 +16,7 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import CatchArenaError, ConfigError, suggest
 from catch_arena.files import read_text, tomllib
 from catch_arena.scenarios import scenario
+from catch_arena.tournament.agent_spec import IN_FOLDER, shipped_names
 from catch_arena.tournament.match import Match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
@@ -149,9 +150,15 @@ def _complete(at: str, test: GradingTest, given: Collection[str], matches: int, 
     if parties > 1 and not test.opponents:
         seats = "1 seat is" if parties == 2 else f"{parties - 1} seats are"
         raise ConfigError(f'{at} needs opponents: {seats} empty; name agents, as in opponents = ["nearest"]')
-    # paths of files are relative to the spec's folder, as for its seed_file
-    words = (str(folder / Path(word).expanduser()) if word.endswith(".py") else word for word in test.opponents)
-    return msgspec.structs.replace(test, opponents=tuple(words), matches=played)
+    opponents = tuple(_from(folder, word) for word in test.opponents)
+    return msgspec.structs.replace(test, opponents=opponents, matches=played)
+
+
+def _from(folder: Path, word: str) -> str:
+    """Return an opponent; the path of a file or folder is relative to the spec's folder, as for its seed_file."""
+    path = folder / Path(word).expanduser()
+    is_folder = (path / IN_FOLDER).is_file() and word not in shipped_names()
+    return str(path) if is_folder or word.endswith(".py") else word
 
 
 def _secret(file: _File, folder: Path) -> Secret:

@@ -151,8 +151,12 @@ class MatchResult:
         return tuple(None if one is None else one.code for one in self.forfeits)
 
     def win_share(self, party: int, side: slice) -> float:
-        """Return the share of the win on its side: 1 for a win, less if parties share the first rank, 0 for others."""
-        return (self.ranks[party] == 1) / self.ranks[side].count(1)
+        """Return the share of the win on its side: 1 for a win, less if parties share the first rank, 0 for others.
+
+        A party that forfeited does not win, even if all others forfeited too.
+        """
+        won = self.ranks[party] == 1 and self.forfeits[party] is None
+        return won / self.ranks[side].count(1)
 
 
 @dataclass(frozen=True, slots=True)

@@ -84,6 +84,11 @@ def test_one_that_fails_without_a_target_is_shown_that_it_saw_none(check):
     assert "it saw: targets none (view.targets is empty); rivals 3; mask " in result.output
 
 
+def test_of_a_team_that_prints_the_text_is_shown_and_not_the_name_of_the_seat(check):
+    result = check(HEAD + "print('look')\n        return 0\n", "-s", "pairs", "--set", "time_limit_s=1")
+    assert "warning: pairs: prints, which goes to its log: 'look'\n" in result.output
+
+
 def test_the_same_failure_in_another_scenario_is_told_in_one_line(check):
     result = check(HEAD + "return 99\n", "-s", "standard", "-s", "duel", "--set", "time_limit_s=3")
     assert len(re.findall(r"^error: +\w+: FORFEIT_ILLEGAL in step 1: ", result.output, re.MULTILINE)) == 2

@@ -205,12 +205,15 @@ max_mean_caught = 0
     assert f"mean_caught must be at most 0, got {test['mean_caught']:g}" in result.output
 
 
-def test_an_opponents_file_stands_beside_the_spec(grade):
+def test_an_opponents_file_or_folder_stands_beside_the_spec(grade):
     Path("course").mkdir()
     write_agent(Path("course/rival.py"))
-    Path("course/spec.toml").write_text(SPEC.replace('"idle"', '"rival.py"'))
-    result = grade("nearest", "--spec", "course/spec.toml")
-    assert result.exit_code == 0, result.output
+    Path("course/folder").mkdir()
+    write_agent(Path("course/folder/agent.py"))
+    for opponent in ("rival.py", "folder", "./folder"):
+        Path("course/spec.toml").write_text(SPEC.replace('"idle"', f'"{opponent}"'))
+        result = grade("nearest", "--spec", "course/spec.toml")
+        assert result.exit_code == 0, result.output
 
 
 def read_spec_text(text):

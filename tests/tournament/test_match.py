@@ -6,7 +6,7 @@ from tournament.played_matches import made_up
 from catch_arena import Replay, interrupts, scenario
 from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.match import ranks_of
+from catch_arena.tournament.match import Forfeit, ranks_of
 from catch_arena.tournament.match_loop import play_match
 
 SHORT = scenario("duel", time_limit_s=10)
@@ -95,6 +95,12 @@ def test_parties_of_one_side_share_a_win():
     result = made_up(0, (0, 1, 2, 3, 4), (), ranks=(1, 1, 3, 1, 2)).result
     shares = [result.win_share(party, slice(3) if party < 3 else slice(3, None)) for party in range(5)]
     assert shares == [0.5, 0.5, 0.0, 1.0, 0.0]
+
+
+def test_a_party_that_forfeited_does_not_win_even_if_all_others_forfeited_too():
+    late, early = Forfeit("FORFEIT_CRASH", 9, ""), Forfeit("FORFEIT_CRASH", 3, "")
+    result = made_up(0, (0, 1), (0, 0), ranks=(1, 2), forfeits=(late, early)).result
+    assert [result.win_share(party, slice(2)) for party in range(2)] == [0.0, 0.0]
 
 
 def test_an_interrupt_that_an_agent_has_caught_ends_the_match_after_the_step(monkeypatch):

@@ -83,6 +83,8 @@ def plan_of(
         ConfigError: for an unknown format, a number of rounds out of range, too few entrants or too many matches.
     """
     require_choice("format", wanted, FORMATS)
+    if entrants < parties.group:
+        raise ConfigError(f"entrants must be at least {parties.group}, the number in a block, got {entrants}")
     secret = Secret.of(seed)
     first = range(int(wanted == "gauntlet"))
     others, free = entrants - len(first), parties.group - len(first)
@@ -97,7 +99,7 @@ def plan_of(
         subject = f"balanced blocks of {entrants} entrants"
         parameters = {"format": wanted if first else "balanced"} | ({"sweeps": turns} if turns < enough else {})
     if rounds is None:
-        rounds = ceil(_BLOCKS_OF_EACH * others / max(turns * count * free, 1))
+        rounds = ceil(_BLOCKS_OF_EACH * others / (turns * count * free))
     turns *= rounds
     size = turns * count * parties.block_size
     if not 1 <= turns <= _MOST_ROUNDS:

@@ -137,3 +137,9 @@ def test_a_format_that_cannot_be_is_refused():
         plan_of("gauntlett", 4, hunters(2), 1, 0)
     with pytest.raises(ConfigError, match="gauntlet needs at least 2 hunters in a match, got 1"):
         plan_of("gauntlet", 4, hunters(1), 1, 0)
+
+
+def test_a_plan_for_fewer_entrants_than_a_block_has_is_refused():
+    for form, entrants in (("round-robin", 0), ("round-robin", 3), ("gauntlet", 0), ("gauntlet", 3)):
+        with pytest.raises(ConfigError, match=f"entrants must be at least 4, the number in a block, got {entrants}"):
+            plan_of(form, entrants, hunters(4), 1, 0)
