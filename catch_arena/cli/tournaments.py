@@ -98,7 +98,13 @@ def tournament(
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.executors import Worker
     from catch_arena.tournament.execution.runner import LOGS, Setup
-    from catch_arena.tournament.plans.schedule import BUDGET, MOST_IN_A_ROUND, UntilSeparated, plan_of
+    from catch_arena.tournament.plans.schedule import (
+        BUDGET,
+        MOST_IN_A_ROUND,
+        MOST_ROUNDS,
+        UntilSeparated,
+        plan_of,
+    )
 
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
@@ -117,7 +123,8 @@ def tournament(
     if until_separated is None:
         plan, bound = plan_with(rounds), ""
     else:
-        plan, bound = UntilSeparated(plan_with(most // in_a_round), entrants, parties, until_separated), "at most "
+        longest = plan_with(min(most // in_a_round, MOST_ROUNDS))
+        plan, bound = UntilSeparated(longest, entrants, parties, until_separated), "at most "
     setup = Setup(out, plan, Worker(config, entrants, record, quotas), secret, max_forfeits)
     require_own_folder(out, force=force)
     if not (out / STORE).exists():

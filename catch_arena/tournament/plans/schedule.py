@@ -22,8 +22,8 @@ from catch_arena.tournament.statistics.separation import Separation, next_look, 
 FORMATS: Final = ("round-robin", "gauntlet")
 
 _MOST_MATCHES: Final = 1_000_000
-_MOST_ROUNDS: Final = 99_999
-"""Largest number of rounds: match ids have five digits for it."""
+MOST_ROUNDS: Final = 99_999
+"""Largest number of rounds, or of sweeps in all rounds together: match ids have five digits for it."""
 MOST_IN_A_ROUND: Final = 20_000
 """Largest number of matches in a round; if all groups need more, a balanced sample of the groups is played."""
 _BLOCKS_OF_EACH: Final = 10
@@ -100,14 +100,13 @@ def plan_of(
         parameters = {"format": wanted if first else "balanced"} | ({"sweeps": turns} if turns < enough else {})
     if rounds is None:
         rounds = ceil(_BLOCKS_OF_EACH * others / (turns * count * free))
+    if not 1 <= rounds <= MOST_ROUNDS // turns:
+        raise ConfigError(f"rounds must be at least 1 and at most {MOST_ROUNDS // turns}, got {rounds}")
     turns *= rounds
     size = turns * count * parties.block_size
-    if not 1 <= turns <= _MOST_ROUNDS:
-        raise ConfigError(f"rounds must be at least 1 and at most {_MOST_ROUNDS}, got {turns}")
     if size > _MOST_MATCHES:
-        raise ConfigError(
-            f"a plan must have at most {_MOST_MATCHES} matches, got {size}: {subject}, in every seating, {turns} rounds"
-        )
+        why = f"{subject}, in every seating, {rounds} rounds"
+        raise ConfigError(f"a plan must have at most {_MOST_MATCHES} matches, got {size}: {why}")
 
     def blocks() -> Iterator[Block]:
         drawn = sweeps(others, free, lambda *about: secret.seed("groups", *about))

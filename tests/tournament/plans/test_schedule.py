@@ -130,6 +130,8 @@ def test_a_plan_that_cannot_be_is_refused(rounds, seed, message):
     for form in FORMATS:
         with pytest.raises(ConfigError, match=message):
             plan_of(form, 60, hunters(4), rounds, seed)
+    with pytest.raises(ConfigError, match="rounds must be at least 1 and at most 12499, got 12500"):  # of 8 sweeps each
+        plan_of("round-robin", 12, hunters(2), 12_500, 0, most=100)
 
 
 def test_a_format_that_cannot_be_is_refused():
