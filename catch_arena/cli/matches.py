@@ -43,7 +43,7 @@ def match(
 
     Give one agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
-    from catch_arena.tournament.match_loop import in_parties, play_entrants
+    from catch_arena.tournament.match_loop import play_entrants
 
     config, quotas = arena.config(), trust.quotas()
     parties = Parties.of(config)
@@ -67,7 +67,7 @@ def match(
             record=target,
             watch=lambda _: show(min(next(steps), config.max_steps), config.max_steps),
         )
-    names = [entrant.name for entrant in in_parties(config, entrants)]
+    names = [entrant.on(parties.side_of(party)).name for party, entrant in enumerate(entrants)]
     print_result(parties, result, names)
     echo(f"seed: {drawn}")
     echo(f"replay: {target}")

@@ -57,8 +57,6 @@ class Fault:
     """Reason in one line."""
     late: bool = False
     """True if the seat was too slow."""
-    log: str = ""
-    """Output of an agent that was not started in this match."""
 
 
 # plain tuples: a trusted match makes thousands of them

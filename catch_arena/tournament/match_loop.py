@@ -136,18 +136,14 @@ def play_match(
     return result
 
 
-def in_parties(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
-    """Return the player of each party: its entrant, or the entrant that plays prey for it."""
-    parties = Parties.of(config)
-    return [entrant.on(parties.side_of(party)) for party, entrant in enumerate(entrants)]
-
-
 def in_seats(config: ArenaConfig, entrants: Sequence[Entrant]) -> list[Entrant]:
-    """Return the player of each seat; only the first seat of a party has the log of a player that cannot begin."""
-    playing = in_parties(config, entrants)
-    return [
-        replace(playing[party], log="") if number else playing[party] for party, number in Parties.of(config).places
-    ]
+    """Return the player of each seat: the party's entrant, or the one that plays prey for it.
+
+    Only the first seat of a party has the log of a player that cannot begin.
+    """
+    parties = Parties.of(config)
+    playing = [entrant.on(parties.side_of(party)) for party, entrant in enumerate(entrants)]
+    return [replace(playing[party], log="") if number else playing[party] for party, number in parties.places]
 
 
 @dataclass(slots=True, eq=False)

@@ -58,6 +58,7 @@ class Players(AbstractContextManager["Players"]):
         self._policies: dict[int, Policy | PreyPolicy] = {}
         self._isolated: dict[int, Entrant] = {}
         self._absent = dict(absent)
+        self._inspection_logs: dict[int, str] = {}
         self._limits: Sequence[AnyLimits] = ()
         for seat, one in seated.items() if isinstance(seated, Mapping) else enumerate(seated):
             self.controls[seat] = one.control if isinstance(one, Entrant) else control_of(one)
@@ -66,7 +67,8 @@ class Players(AbstractContextManager["Players"]):
             if not isinstance(one, Entrant):
                 self._policies[seat] = one
             elif one.fault is not None:
-                self._absent[seat] = Fault("FORFEIT_INIT", one.fault, log=one.log)
+                self._absent[seat] = Fault("FORFEIT_INIT", one.fault)
+                self._inspection_logs[seat] = one.log
             elif sandbox is not None and not is_shipped(one.spec):
                 self._isolated[seat] = one
             else:
@@ -153,8 +155,7 @@ class Players(AbstractContextManager["Players"]):
         """Return the printed text by seat; agents in this process print to its own output."""
         for process in self._processes.values():
             process.read_log()
-        absent = {seat: fault.log for seat, fault in self._absent.items() if fault.log}
-        return absent | {seat: process.log.text() for seat, process in self._processes.items()}
+        return self._inspection_logs | {seat: process.log.text() for seat, process in self._processes.items()}
 
     def _greet(self) -> dict[int, _Reply]:
         """Start all isolated agents, and return their answers to the greeting."""

@@ -46,7 +46,7 @@ def head_to_head(results: SideResults) -> dict[tuple[str, str], Encounter]:
     share |= {(j, i): Estimate(1 - one.mean, 1 - one.high, 1 - one.low) for (i, j), one in share.items()}
     unknown = Estimate(math.nan, math.nan, math.nan)
 
-    histogram = sums_by(size, int(outcomes.scores.max(initial=0)) + 1, outcomes.seating, outcomes.scores)
+    histogram = sums_by(size, int(outcomes.scores.max()) + 1, outcomes.seating, outcomes.scores)
     totals = histogram.sum(axis=1)
     below_or_half = np.cumsum(histogram, axis=1) - histogram / 2.0
     with_matches = np.flatnonzero(totals)

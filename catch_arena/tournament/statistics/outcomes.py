@@ -85,7 +85,7 @@ class Outcomes:
     @classmethod
     def of(cls, entrants: int, matches: Sequence[SideMatch]) -> "Outcomes":
         """Return the outcomes of matches in the order of the plan, so that sums do not depend on the order of play."""
-        shape = (len(matches), len(matches[0].seating) if matches else 0)
+        shape = (len(matches), len(matches[0].seating))
         ranks = [[rank + (None not in one.forfeits) for rank in one.ranks] for one in matches]
         return cls(
             entrants,
@@ -98,7 +98,7 @@ class Outcomes:
     @property
     def blocks(self) -> int:
         """Number of blocks."""
-        return int(self.block.max(initial=-1)) + 1
+        return int(self.block.max()) + 1
 
     def by_block(self, values: Floats | Ints | float = 1.0) -> Floats:
         """Return the sums of `values`, (blocks, entrants); `values` is one per party and match, or one for all."""

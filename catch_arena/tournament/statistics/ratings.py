@@ -55,7 +55,7 @@ class Ratings:
         (Hauck and Donner 1977).
         """
         played = np.isfinite(self.points)
-        field = max(int(played.sum()), 1)
+        field = int(played.sum())
         with np.errstate(invalid="ignore"):
             beats = _logistic(np.subtract.outer(self.points, self.points) / ELO)
         slopes = np.where(played & played[:, None], beats * (1.0 - beats), 0.0) / field
@@ -91,13 +91,12 @@ def rate(outcomes: Outcomes) -> Ratings:
 
     played = blocks_played > 0
     moves: Floats = ELO * np.linalg.solve(information, np.concatenate((gradients, imagined)).T)[:size].T
-    mean = strengths[played].mean() if played.any() else 0.0
-    moves -= moves[:, played].mean(axis=1, keepdims=True) if played.any() else 0.0
+    moves -= moves[:, played].mean(axis=1, keepdims=True)
     moves[:, ~played] = 0.0
     influence = moves[: outcomes.blocks]
     return Ratings(
-        points=np.where(played, ELO * (strengths - mean), math.nan),
-        influence=influence - influence.mean(axis=0) if outcomes.blocks else influence,
+        points=np.where(played, ELO * (strengths - strengths[played].mean()), math.nan),
+        influence=influence - influence.mean(axis=0),
         pseudo_influence=moves[outcomes.blocks :],
         blocks=blocks_played.astype(np.float64),
         blocks_above=pairs.blocks_above(),

@@ -71,8 +71,6 @@ def standings_of_sides(
 
 def standings(results: SideResults) -> list[Standing]:
     """Return the table of the entrants that played, highest rating first; the order of play does not change it."""
-    if not results.played:
-        return []
     entrants, outcomes = results.entrants, results.outcomes
     counts = outcomes.by_block()
     totals = counts.sum(axis=0)
