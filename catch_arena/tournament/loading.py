@@ -11,10 +11,11 @@ from contextlib import AbstractContextManager, contextmanager, nullcontext
 from functools import cache
 from pathlib import Path
 from types import ModuleType
-from typing import Any, Final
+from typing import Any, Final, get_args
 
-from catch_arena.errors import AgentError, CatchArenaError, ConfigError, reason, suggest
-from catch_arena.policy import Policy, PreyPolicy, Side, control_of
+from catch_arena.config import Control
+from catch_arena.errors import AgentError, ConfigError, reason, suggest
+from catch_arena.policy import Policy, PreyPolicy, Side
 from catch_arena.tournament.agent_spec import (
     COMMAND,
     IN_FOLDER,
@@ -52,19 +53,16 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
     try:
         with own or nullcontext():
             policy: Any = found()
+            control = getattr(policy, "control", "target" if side == "hunter" else None)
     except (Exception, SystemExit) as error:  # a stranger's code may raise anything
         raise AgentError(f"{spec}: {found.__name__}() raised {reason(error)}") from error
     for method in ("reset", "act"):
         if not callable(getattr(policy, method, None)):
             raise AgentError(f"{spec}: {found.__name__} must have a method {method}")
-    control = getattr(policy, "control", None)
-    if side == "prey" and control not in {None, "velocity"}:
+    if side == "prey" and control not in (None, "velocity"):
         raise AgentError(f"{spec}: Prey.control must be velocity or be left out (R12.2), got {control!r}")
-    try:
-        if side == "hunter":
-            control_of(policy)
-    except CatchArenaError:
-        raise AgentError(f"{spec}: control must be target, velocity or full, got {control!r}") from None
+    if side == "hunter" and control not in get_args(Control):
+        raise AgentError(f"{spec}: control must be target, velocity or full, got {control!r}")
     made: Policy | PreyPolicy = policy if own is None else _InFolder(policy, own)
     return made
 

@@ -95,6 +95,7 @@ def test_the_digest_is_also_of_a_module_that_a_class_is_borrowed_from(agent_file
         ("class Agent:\n    def act(self, view): pass\n", "Agent must have a method reset"),
         ("class Agent:\n    def __init__(self, x): pass\n", r"Agent\(\) raised TypeError"),
         (HOLDS + "    control = 'fly'\n", "control must be target, velocity or full, got 'fly'"),
+        (HOLDS + "    @property\n    def control(self): return 1 / 0\n", r"Agent\(\) raised ZeroDivisionError"),
     ],
 )
 def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file, source, reason):

@@ -167,6 +167,10 @@ def test_r12_7_isolated_agents_play_the_same_match(tmp_path, config):
             'class Prey:\n    control = "target"\n' + RESETS_AND_ACTS,
             "Prey.control must be velocity or be left out (R12.2)",
         ),
+        (
+            'class Prey:\n    control = ["velocity"]\n' + RESETS_AND_ACTS,
+            "Prey.control must be velocity or be left out (R12.2)",
+        ),
     ],
 )
 def test_prey_that_cannot_play_forfeits_as_prey_alone(tmp_path, prey, message):
