@@ -156,12 +156,14 @@ class UntilSeparated(Plan):
         confidence: probability with which the order is right.
 
     Raises:
-        ConfigError: for a confidence outside [0.5, 1).
+        ConfigError: for a confidence outside [0.5, 1), or entrants that never meet.
     """
 
     def __init__(self, plan: Plan, entrants: Sequence[Entrant], parties: Parties, confidence: float) -> None:
         if not 0.5 <= confidence < 1:
             raise ConfigError(f"confidence must lie in [0.5, 1), such as 0.95, got {confidence}")
+        if parties.group == 1:
+            raise ConfigError("until_separated needs at least 2 hunters in a match, got 1: ratings compare rivals")
         kept = {"format": plan.parameters["format"], "until_separated": confidence}
         super().__init__(kept, plan.size, plan.blocks)
         self._round = plan.size // parties.block_size // int(plan.parameters["rounds"])

@@ -3,10 +3,12 @@
 tests/cli/test_commands.py has a budget that is spent before that.
 """
 
+import pytest
 from tournament.runs import run
 from tournament.seats import hunters
 
 from catch_arena import scenario
+from catch_arena.errors import ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.plans.schedule import UntilSeparated, round_robin
 
@@ -20,3 +22,9 @@ def test_it_ends_when_the_order_is_clear_after_whole_rounds():
     assert len(played) % 6 == 0
     assert [one.match for one in played] == list(round_robin(3, hunters(2), len(played) // 6, 1))
     assert len(list(next(plan.stages(list)))) == 9  # blocks before the first look, which needs 8: three rounds
+
+
+def test_entrants_that_never_meet_cannot_be_separated():
+    entrants = enter(["nearest", "idle"])
+    with pytest.raises(ConfigError, match="until_separated needs at least 2 hunters in a match, got 1"):
+        UntilSeparated(round_robin(2, hunters(1), 9, 1), entrants, hunters(1), 0.9)
