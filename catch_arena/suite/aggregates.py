@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.tournament.statistics.intervals import Estimate
-from catch_arena.tournament.statistics.outcomes import Floats, Ints
+from catch_arena.tournament.statistics.outcomes import Floats
 
 RESAMPLES: Final = 5000
 """Number of bootstrap resamples of the runs of each scenario."""
@@ -53,11 +53,8 @@ def probability_of_improvement(scores: Floats, others: Floats) -> Estimate:
         scores: (runs, scenarios).
         others: (runs, scenarios), of the same scenarios; there may be more or fewer runs.
     """
-    # (runs, other runs, scenarios): every pair is compared once, and a resample counts the pairs that it drew
-    above = (scores[:, None] > others[None]) + 0.5 * (scores[:, None] == others[None])
-    mine, theirs = _weights(scores.shape, 0), _weights(others.shape, 1)
-    drawn = np.einsum("nrs,rqs,nqs->n", mine, above, theirs, optimize=True) / scores.shape[1]
-    return _estimate(above.mean(), drawn, min(len(scores), len(others)))
+    drawn = _share_above(_resampled(scores), _resampled(others, 1))
+    return _estimate(_share_above(scores, others), drawn, min(len(scores), len(others)))
 
 
 def performance_profile(scores: Floats, levels: Floats) -> list[Estimate]:
@@ -68,22 +65,18 @@ def performance_profile(scores: Floats, levels: Floats) -> list[Estimate]:
     ]
 
 
-def _drawn_runs(shape: tuple[int, ...], stream: int) -> Ints:
-    """Return the indices of the drawn runs, (RESAMPLES, runs, scenarios), independent in each scenario."""
-    bits = np.random.PCG64(stream)  # its raw stream is fixed by NumPy's policy
-    return (bits.random_raw((RESAMPLES, *shape)) % np.uint64(shape[0])).astype(np.int64)
-
-
 def _resampled(scores: Floats, stream: int = 0) -> Floats:
-    return np.take_along_axis(scores[None], _drawn_runs(scores.shape, stream), axis=1)
+    """Return resamples of the runs, (RESAMPLES, runs, scenarios), independent in each scenario."""
+    bits = np.random.PCG64(stream)  # its raw stream is fixed by NumPy's policy
+    drawn = (bits.random_raw((RESAMPLES, *scores.shape)) % np.uint64(len(scores))).astype(np.int64)
+    return np.take_along_axis(scores[None], drawn, axis=1)
 
 
-def _weights(shape: tuple[int, ...], stream: int) -> Floats:
-    """Return each run's share of its scenario's draws: (RESAMPLES, runs, scenarios)."""
-    runs, scenarios = shape
-    drawn = _drawn_runs((runs, scenarios), stream)
-    found: Floats = np.stack([(drawn == run).mean(axis=1) for run in range(runs)], axis=1)
-    return found
+def _share_above(scores: Floats, others: Floats) -> Floats:
+    """Return the share of pairs of runs in one scenario in which the first score is above; a tie counts one half."""
+    mine, theirs = scores[..., :, None, :], others[..., None, :, :]
+    shares: Floats = (0.5 * (mine > theirs) + 0.5 * (mine >= theirs)).mean(axis=(-3, -2, -1))
+    return shares
 
 
 def _estimate(mean: Floats | float, drawn: NDArray[np.floating], runs: int) -> Estimate:
