@@ -26,27 +26,11 @@ Decide = Callable[[Any], Any]
 """Function from a view of one hunter to its action."""
 
 
-class _Seen(NamedTuple):
-    """Replacement for a `View` in compiled code: the fields of `SelfFeatures`, arrays of records, and the limits."""
-
-    x: float
-    y: float
-    heading_cos: float
-    heading_sin: float
-    linear_velocity: float
-    angular_velocity: float
-    time_left: float
-    score: float
-    distance_integral: float
-    bearing_integral: float
-    targets: Any
-    rivals: Any
-    limits: Any
-
-
 _NUMBERS: Final = [field.name for field in fields(Limits) if field.type in (int, float, bool)]
 _make: Any = NamedTuple  # for type checkers, which want to see the fields
 _Limits: Any = _make("_Limits", [(name, float) for name in _NUMBERS])
+_Seen: Any = _make("_Seen", [(name, Any) for name in (*SelfFeatures._fields, "targets", "rivals", "limits")])
+"""Replacement for a `View` in compiled code: the hunter's own numbers, arrays of records, and the limits."""
 _OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
 _PRESENT: Final = MovingTargetFeatures._fields.index("present")  # and of rivals
 _TARGET, _RIVAL = (np.dtype([(name, float) for name in of._fields]) for of in (MovingTargetFeatures, TeamRivalFeatures))

@@ -1,7 +1,7 @@
 """Observations for a network in an arena of another width than its training arena, with columns matched by name."""
 
 from functools import lru_cache
-from typing import Any, Final
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,7 +10,7 @@ from catch_arena.batch_policy import BatchView, ManyViews, PreyBatchView
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.layout import column_names, groups, prey_groups
-from catch_arena.policy import AnyLimits, Limits, PreyLimits, PreyView, Side, View
+from catch_arena.policy import AnyLimits, Limits, PreyLimits, PreyView, View
 from catch_arena.scenarios import scenario
 from catch_arena.text import shortened
 
@@ -19,6 +19,8 @@ _FIRST_COLUMNS: Final = (
     "forward left present age active score_difference mate times_caught alive"
 )
 """Names of the columns that the networks in agents/ were trained with, without the ranks."""
+
+_config_of: Final = lru_cache(maxsize=64)(scenario)  # a scenario is checked again in each call
 
 
 def fit_observation(
@@ -45,8 +47,7 @@ def fit_observation(
     given = view.observations if isinstance(view, ManyViews) else view.observation
     values = np.asarray(given, dtype=np.float32)
     zero = np.zeros((*values.shape[:-1], 1), dtype=np.float32)
-    places = _places(view.limits, _limits(trained, view.limits.side), inputs)
-    found: NDArray[np.float32] = np.concatenate((values, zero), axis=-1)[..., places]
+    found: NDArray[np.float32] = np.concatenate((values, zero), axis=-1)[..., _places(view.limits, trained, inputs)]
     return found
 
 
@@ -69,27 +70,22 @@ def fit_mask(view: View | BatchView, trained: str | ArenaConfig) -> NDArray[np.b
     here = np.asarray(view.masks if isinstance(view, BatchView) else view.mask, dtype=np.bool_)
     if not here.shape[-1]:
         return here
-    choices = 1 + _limits(trained, "hunter").targets_seen
+    choices = 1 + _config_of(trained).targets_seen
     found = np.zeros((*here.shape[:-1], choices), dtype=np.bool_)
     found[..., : here.shape[-1]] = here[..., :choices]
     return found
 
 
 @lru_cache(maxsize=64)
-def _limits(trained: str | ArenaConfig, side: Side) -> Any:
-    config = scenario(trained)
-    if side == "hunter":
-        return Limits.of(config)
-    if not config.prey:
-        raise ConfigError(f"trained must be a scenario with prey for a view of prey, got {shortened(trained)}")
-    return PreyLimits.of(config)
-
-
-@lru_cache(maxsize=64)
-def _places(seen: AnyLimits, trained: AnyLimits, inputs: int | None) -> NDArray[np.int64]:
+def _places(seen: AnyLimits, trained: str | ArenaConfig, inputs: int | None) -> NDArray[np.int64]:
     """Return the index of each column of `trained` in an observation, (D,); its width if it has no such column."""
-    groups_of = prey_groups if isinstance(seen, PreyLimits) else groups
-    names, wanted = (column_names(groups_of(limits)) for limits in (seen, trained))
+    config = _config_of(trained)
+    if isinstance(seen, Limits):
+        names, wanted = (column_names(groups(limits)) for limits in (seen, Limits.of(config, 0)))
+    elif config.prey:
+        names, wanted = (column_names(prey_groups(limits)) for limits in (seen, PreyLimits.of(config)))
+    else:
+        raise ConfigError(f"trained must be a scenario with prey for a view of prey, got {shortened(trained)}")
     if inputs not in (None, len(wanted)):
         wanted = tuple(name for name in wanted if name.rpartition(".")[2] in _FIRST_COLUMNS.split())
     place = {name: number for number, name in enumerate(names)}

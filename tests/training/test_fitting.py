@@ -35,13 +35,13 @@ def views(name, **settings):
 @pytest.mark.parametrize("name", [name for name in SCENARIOS if name != "tag"])
 def test_each_column_has_the_value_of_its_name_and_else_0(name):
     """By the table that the space is made from, which the function does not read."""
-    for view, trained in product(views(name), ("standard", "crowd", "evasive", "pairs")):
+    for view, trained in product(views(name), ("standard", "crowd", "evasive", "pairs", "unequal")):
         here = dict(zip([column.name for column in columns(SCENARIOS[name])], view.observation, strict=True))
         expected = [here.get(column.name, 0.0) for column in columns(SCENARIOS[trained])]
         fitted = fit_observation(view, trained)
         assert fitted.dtype == np.float32
         assert fitted.tolist() == np.float32(expected).tolist()
-        again = catch_arena.View(fitted.tolist(), view.mask, catch_arena.Limits.of(SCENARIOS[trained]))
+        again = catch_arena.View(fitted.tolist(), view.mask, catch_arena.Limits.of(SCENARIOS[trained], 0))
         seen = min(len(view.targets), again.limits.targets_seen)
         assert [(one.rank, one.forward, one.age) for one in again.targets] == [
             (one.rank, np.float32(one.forward), np.float32(one.age)) for one in view.targets[:seen]
@@ -60,7 +60,7 @@ def test_a_choice_with_the_fitted_mask_is_legal_here(here, trained):
         assert np.flatnonzero(mask).tolist() == [one for one in legal if one <= trained]
 
 
-@pytest.mark.parametrize("trained", ["duel", "crowd", "pairs"])
+@pytest.mark.parametrize("trained", ["duel", "crowd", "pairs", "unequal"])
 def test_many_at_once_are_fitted_as_one(trained):
     seen = list(views("standard"))
     batch = BatchView(
