@@ -95,7 +95,8 @@ class League:
     @cached_property
     def current(self) -> Mapping[str, int]:
         """Entrant that plays for each present entry, by its key; an entry has none until a version passes the check."""
-        found = {one.key: _current(one, self.versions.get(one.key, ())) for one in self.entries}
+        copies = self.state / _COPIES
+        found = {one.key: _current(one, self.versions.get(one.key, ()), copies) for one in self.entries}
         return {key: index for key, index in found.items() if index is not None}
 
     @cached_property
@@ -344,11 +345,12 @@ def _matches_left(league: League, waiting: Sequence[int]) -> int:
     return math.ceil(left / league.parties.group) * size
 
 
-def _current(entry: Entry, versions: Sequence[Version]) -> int | None:
-    """Return the entrant that plays for an entry: its present files, or the newest version that passed the check."""
-    present = [one.entrant for one in versions if one.digest == entry.digest]
-    passed = [one.entrant for one in versions if one.entrant is not None]
-    return next((index for index in (*present, *reversed(passed)) if index is not None), None)
+def _current(entry: Entry, versions: Sequence[Version], copies: Path) -> int | None:
+    """Return the entrant that plays for an entry: its present files, or the newest version whose files are kept."""
+    passed = [one for one in versions if one.entrant is not None]
+    able = [one for one in passed if entry.submission is None or (copies / one.digest).exists()]
+    present = [one for one in able if one.digest == entry.digest]
+    return next((one.entrant for one in (*present, *reversed(able))), None)
 
 
 def _ratings(league: League, time: str) -> list[RatingThen]:

@@ -224,6 +224,19 @@ def test_files_that_cannot_be_used_leave_the_version_before_in_play(ran):
     assert "did not pass the check" not in page_of(ran, "bob")
 
 
+def test_after_a_bad_version_the_one_that_played_before_it_goes_on_though_it_is_older(ran):
+    """Only its files are kept: those of the second version went when the person took that back."""
+    first = (ran / "bob" / "agent.py").read_text()
+    for text in (agent("return 0"), first, "class Agent(:"):
+        (ran / "bob" / "agent.py").write_text(text)
+        done = league(ran)
+    assert "bob: version 3 does not pass the check" in done.output
+    assert "0 new matches" in done.output
+    page = page_of(ran, "bob")
+    assert "Version 1 goes on playing." in page
+    assert "FORFEIT_INIT" not in page
+
+
 def test_an_agent_with_a_package_plays_from_its_copy(ran):
     (ran / "cid" / "tools").mkdir(parents=True)
     (ran / "cid" / "tools" / "__init__.py").write_text("FIRST = 1")
