@@ -11,6 +11,9 @@ from catch_arena.errors import ConfigError
 from catch_arena.text import composed, name_fault
 from catch_arena.tournament.agent_spec import IN_FOLDER, digest_of_files, shipped_names
 
+STATE: Final = ".league"
+SITE: Final = "site"
+"""Folders that a league makes next to its entries: STATE has its own files, SITE the pages."""
 _SUBMITTED: Final = re.compile(r"\.(py|ipynb)$", re.IGNORECASE)
 _IGNORED: Final = re.compile(r"\.|__")
 """Beginnings of names that are no submission, such as .git and __MACOSX."""
@@ -56,13 +59,15 @@ def is_class(word: str) -> bool:
 
 
 def submission_at(path: Path) -> Submission | None:
-    """Return the submission in a file or folder; None if it is none, such as a README or a folder .git.
+    """Return the submission in a file or folder; None if it is none, such as a README, .git or a league's SITE.
 
     Raises:
         ConfigError: for a name that cannot be used.
         OSError: for a folder that cannot be read.
     """
     if _IGNORED.match(path.name) or (not path.is_dir() and not _SUBMITTED.search(path.name)):
+        return None
+    if path.name == SITE and (path.parent / STATE).is_dir():
         return None
     inside = sorted(path.iterdir()) if path.is_dir() else []
     files = [one for one in inside if _SUBMITTED.search(one.name) and not _IGNORED.match(one.name)]

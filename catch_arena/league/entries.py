@@ -9,15 +9,13 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final, Literal
 
-from catch_arena.classroom.submissions import Submission, submission_at
+from catch_arena.classroom.submissions import SITE, Submission, submission_at
 from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.files import read_text, unwritable
 from catch_arena.text import name_fault, one_line, printable
 from catch_arena.tournament.agent_spec import IN_FOLDER
 from catch_arena.tournament.entrants import Entrant, enter
 
-SITE: Final = "site"
-"""Folder of the pages, in the league's folder."""
 SHIPPED: Final = (
     *("nearest", "random", "intercept", "contested", "first", "corners", "patrol", "tour", "assignment", "voronoi"),
     *("triage", "spoiler", "pure_pursuit", "pid", "contested_by_time"),

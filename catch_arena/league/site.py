@@ -11,10 +11,11 @@ from typing import Any, Final
 import jinja2
 
 from catch_arena.classroom.moments import Moment, worst_moment
+from catch_arena.classroom.submissions import SITE
 from catch_arena.config import RULESET
 from catch_arena.errors import ReplayError
 from catch_arena.files import prepare_folder, write_whole
-from catch_arena.league.entries import SITE, Entry
+from catch_arena.league.entries import Entry
 from catch_arena.league.moments import Part, best_and_worst, best_moment
 from catch_arena.league.store import RatingThen, Version
 from catch_arena.league.update import League

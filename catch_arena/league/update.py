@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Final
 
 from catch_arena.classroom.similarity import similar_pairs
+from catch_arena.classroom.submissions import STATE
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError, MatchFailedError
 from catch_arena.files import prepare_folder, write_whole
@@ -36,8 +37,6 @@ from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 from catch_arena.tournament.store import Store, Tournament, terms_of
 
-STATE: Final = ".league"
-"""Folder of the store, the replays, the logs and the copies of versions, in the league's folder."""
 _COPIES: Final = "versions"
 _MATCHES_KEPT: Final = 20_000
 """Number of the newest matches that are kept; the ratings follow from them."""

@@ -331,3 +331,12 @@ def test_weights_and_hidden_files_are_no_submissions_and_dates_are_those_of_the_
     found, others = find_submissions(tmp_path / "class")
     assert ([one.name for one in found], others) == (["ann", "ben"], ["notes.txt"])
     assert {one.changed for one in found} == {datetime.fromtimestamp(1e9).astimezone()}
+
+
+def test_the_pages_of_a_league_in_the_same_folder_are_no_submission(tmp_path):
+    """A student may be called site if there is no league."""
+    write_class(tmp_path, {"ann.py": GOOD, "site/agent.py": GOOD})
+    assert [one.name for one in find_submissions(tmp_path / "class")[0]] == ["ann", "site"]
+    (tmp_path / "class" / ".league").mkdir()
+    found, others = find_submissions(tmp_path / "class")
+    assert ([one.name for one in found], others) == (["ann"], ["site"])
