@@ -28,9 +28,9 @@ from catch_arena.tournament.statistics.separation import LEVEL, holm, p_values
 from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import Store
 
-PROFILE_LEVELS = tuple(level / 20 for level in range(20))
+PROFILE_LEVELS: Final = np.arange(20) / 20
 """Score levels of the performance profile, from 0 to 0.95."""
-AGENT = 0
+AGENT: Final = 0
 """The agent's index among the entrants of a suite's matches."""
 REFERENCES_FILE: Final = Path(__file__).parent / "references.json"
 """Scores of shipped agents for comparison, in the format of `catch-arena suite --json`; `make card` writes it."""
@@ -238,12 +238,9 @@ def facts_of(suite: Suite, measures: AgentMeasures, references: Mapping[str, Sco
             for name, scores in references.items()
         },
         "performance_profile": {
-            "levels": list(PROFILE_LEVELS),
+            "levels": PROFILE_LEVELS.tolist(),
             **{
-                part: [
-                    one.to_dict()
-                    for one in performance_profile(measures.table(held_out=held_out), np.array(PROFILE_LEVELS))
-                ]
+                part: [one.to_dict() for one in performance_profile(measures.table(held_out=held_out), PROFILE_LEVELS)]
                 for part, held_out in parts
             },
         },

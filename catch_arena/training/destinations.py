@@ -90,11 +90,7 @@ class _Hunters:
         self.targets = view.targets
         self.rivals: Any = type(view.rivals)(*(column[..., None] for column in view.rivals))
         self.ground = self._own_ground()
-        places = [self.ground]
-        if self.hosted:
-            places = [np.zeros_like(self.ground)]
-        else:
-            places.append(self._in_own_frame(GRID))
+        places = [np.zeros_like(self.ground)] if self.hosted else [self.ground, self._in_own_frame(GRID)]
         self.places = sum(points.shape[2] for points in places)
         self.forward, self.left = np.concatenate((*places, self._meetings()), axis=2)
         caught = self._nearly_caught()
