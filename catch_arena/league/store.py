@@ -90,11 +90,11 @@ class LeagueStore(Store):
         """Return the ratings of all entrants after each run that is kept, in the order of time."""
         return [RatingThen(*row) for row in self._rows("SELECT * FROM league_rating ORDER BY time, entrant")]
 
-    def add_versions(self, versions: Iterable[Version], entrants: Sequence[Entrant]) -> None:
-        """Write new versions, and all entrants with theirs at the end: all or none."""
+    def add_version(self, version: Version, entrants: Sequence[Entrant]) -> None:
+        """Write a new version, and all entrants with its own at the end: both or none."""
         with self.transaction() as db:
             db.execute("INSERT OR REPLACE INTO fact VALUES ('entrants', ?)", (msgspec.json.encode(entrants).decode(),))
-            db.executemany("INSERT INTO league_version VALUES (?, ?, ?, ?, ?, ?, ?)", map(astuple, versions))
+            db.execute("INSERT INTO league_version VALUES (?, ?, ?, ?, ?, ?, ?)", astuple(version))
 
     def add_ratings(self, ratings: Iterable[RatingThen]) -> None:
         """Write the ratings after a run, and remove those of old runs except the last ones of each day."""

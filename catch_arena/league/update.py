@@ -206,7 +206,7 @@ def _add_versions(
     time: str,
     report: Callable[[str], None],
 ) -> None:
-    """Check new and changed entries, and write their versions."""
+    """Check new and changed entries, and write the version of each as soon as it is checked."""
     known = store.versions()
     before = {(one.entry, one.digest): one.entrant for one in known}
     new = {one.key for one in entries if (one.key, one.digest) not in before}
@@ -222,8 +222,11 @@ def _add_versions(
     checked_now = [entry for entry in entries if entry.key in new and entry.key in agents]
     if not checked_now:
         return
+    for pair in similar_pairs([one.submission for one in entries if one.kind == "person" and one.submission]):
+        if {pair.first, pair.second} & new:
+            report(f"look at these two: {pair.first} and {pair.second}: {pair}")
     worker = Worker(rules.config, (), quotas=rules.quotas)
-    entrants, versions = [*store.tournament.entrants], []
+    entrants = [*store.tournament.entrants]
     with local_executor(worker, min(jobs, len(checked_now))) as executor:
 
         def begin(entry: Entry) -> Future[Entrant]:
@@ -235,16 +238,13 @@ def _add_versions(
                 continue
             number = 1 + sum(one.entry == entry.key for one in known)
             index = None if checked.fault else len(entrants)
-            versions.append(Version(entry.key, number, entry.digest, time, index, checked.fault or "", checked.log))
             if index is not None:
                 entrants.append(replace(checked, name=entrant_name(entry, number, entrants)))
+            version = Version(entry.key, number, entry.digest, time, index, checked.fault or "", checked.log)
+            store.add_version(version, entrants)
             if entry.kind != "shipped":
                 result = f"does not pass the check: {checked.fault}" if index is None else "enters"
                 report(f"{entry.key}: version {number} {result}")
-    store.add_versions(versions, entrants)
-    for pair in similar_pairs([one.submission for one in entries if one.kind == "person" and one.submission]):
-        if {pair.first, pair.second} & new:
-            report(f"look at these two: {pair.first} and {pair.second}: {pair}")
 
 
 def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Entrant:

@@ -267,6 +267,25 @@ def test_a_check_that_fails_on_our_side_is_made_again_three_times_and_then_in_th
     assert enters in done.output
 
 
+def test_a_run_that_ends_during_its_checks_keeps_those_that_are_done(ran, monkeypatch):
+    for name in ("cid", "dan"):
+        (ran / f"{name}.py").write_text(agent(f"return 0  # {name}"))
+    check = update.check_fitness
+
+    def interrupt_at_dan(entrant, *rest):
+        if entrant.name.startswith("dan"):
+            raise KeyboardInterrupt
+        return check(entrant, *rest)
+
+    monkeypatch.setattr(update, "check_fitness", interrupt_at_dan)
+    assert "cid: version 1 enters" in league(ran).output
+    monkeypatch.undo()
+    done = league(ran)
+    assert "dan: version 1 enters" in done.output
+    assert "cid: version" not in done.output
+    assert ">cid<" in (ran / "site" / "index.html").read_text()
+
+
 def enters_while_copying(ran, monkeypatch, copyfile):
     """The output of a run in which cid enters and files are copied by this function, and of the next run."""
     (ran / "cid.py").write_text(agent("return 0  # cid"))
