@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from itertools import chain
 from json import dumps
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -148,7 +149,7 @@ def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
     echo(f"interquartile mean, training: {with_interval(measures.training, '.3f')}")
     echo(f"interquartile mean, held out: {with_interval(measures.held_out, '.3f')}")
     echo(f"gap, training minus held out: {with_interval(measures.gap, '.3f')}")
-    echo(f"time: {measures.move_ms:.2f} ms per move")
+    echo("time: it made no move" if isnan(measures.move_ms) else f"time: {measures.move_ms:.2f} ms per move")
     for name, scores in known.items():
         figures = ", ".join(
             f"{part} {with_interval(measures.improvement(scores, held_out=held_out), '.2f')}"

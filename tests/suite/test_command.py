@@ -152,6 +152,7 @@ def test_one_that_cannot_begin_is_told_once(run, tmp_path):
     assert result.stderr.count("it imports rclpy, which is not installed here") == 1  # as for every command
     assert "warning: mine cannot begin, and forfeits its matches: " in result.stderr
     assert "intervals (? below) need 4 blocks\n" in result.stdout
+    assert "time: it made no move\n" in result.stdout
 
 
 def test_another_suite_is_played_by_its_name_in_a_folder_of_its_own(run, tmp_path, monkeypatch):
