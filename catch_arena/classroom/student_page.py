@@ -12,8 +12,8 @@ import jinja2
 from catch_arena.classroom.grading import Graded
 from catch_arena.classroom.marks import hours_late
 from catch_arena.config import RULESET
-from catch_arena.player import element_script, page_file
-from catch_arena.player.page_template import page_policy, page_style, page_template
+from catch_arena.player import moment_scripts
+from catch_arena.player.page_template import page_style, page_template
 from catch_arena.text import without_folders
 
 _PAGE: Final = "catch_arena.classroom"
@@ -28,17 +28,14 @@ def student_page(title: str, graded: Graded, changed: datetime, deadline: dateti
         changed: time of the last change of the submission.
         deadline: last moment at which a submission is in time; None for no deadline.
     """
-    element, script = (element_script() if graded.moment else ""), page_file("catch_arena.player", "moment.js")
     return _template().render(
         title=title,
         graded=graded,
         changed=changed.strftime("%Y-%m-%d %H:%M"),
         late=hours_late(changed, deadline),
         ruleset=RULESET,
-        policy=page_policy(element, script),
-        element=element,
         style=page_style(_PAGE, "student.css"),
-        script=script,
+        **moment_scripts(plays=graded.moment is not None),
     )
 
 

@@ -19,7 +19,7 @@ from catch_arena.league.entries import Entry
 from catch_arena.league.moments import Part, best_and_worst, best_moment
 from catch_arena.league.store import RatingThen, Version
 from catch_arena.league.update import League
-from catch_arena.player import css, element_script, page_file
+from catch_arena.player import css, moment_scripts
 from catch_arena.player.page_template import page_policy, page_style, page_template
 from catch_arena.render.match_info import agent_color
 from catch_arena.replay import Replay
@@ -142,7 +142,6 @@ def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapp
     """Return the page of a person."""
     moments = _moments(league, line.parts)
     last_ratings: dict[int | None, RatingThen] = {one.entrant: one for one in league.ratings}
-    element, script = (element_script() if moments else ""), page_file("catch_arena.player", "moment.js")
     failed = [one for one in line.versions if one.entrant is None and one.digest == line.entry.digest]
     return _template("person.html").render(
         common,
@@ -158,10 +157,8 @@ def _person_page(league: League, line: Line, lines: Sequence[Line], common: Mapp
         parties=league.parties,
         moments=moments,
         log="" if line.entrant is None else _log(league, line.entrant),
-        policy=page_policy(element, script),
-        element=element,
         style=page_style(_PAGE, "league.css"),
-        script=script,
+        **moment_scripts(plays=bool(moments)),
     )
 
 

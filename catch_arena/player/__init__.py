@@ -6,7 +6,7 @@
 """
 
 from catch_arena.player.bundle import bundle_text, css, packed_text
-from catch_arena.player.element import element_script, player_html, player_page, script_json
+from catch_arena.player.element import element_script, moment_scripts, player_html, player_page, script_json
 from catch_arena.player.page_template import page_file
 from catch_arena.replay import Replay
 
@@ -15,6 +15,7 @@ __all__ = [
     "bundle_text",
     "css",
     "element_script",
+    "moment_scripts",
     "packed_text",
     "page_file",
     "player_html",
