@@ -103,14 +103,10 @@ class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):
         if self._auto_reset and len(step.ended):
             over = np.zeros(self.num_envs, np.bool_)
             over[step.ended] = True
-            figures = {name: self._spread(table, step.ended) for name, table in step.figures.items()}
-            for name, masks in _masks(step.final_masks).items():
-                figures[name] = self._spread(masks, step.ended)
-            final = {
-                "final_obs": self._spread(step.final_observations, step.ended),
-                "final_info": self._with_rows(figures, over),
-            }
-            infos |= self._with_rows(final, over)
+            figures: dict[str, Any] = {**step.figures, **_masks(step.final_masks)}
+            final = {name: self._spread(table, step.ended) for name, table in figures.items()}
+            last = self._spread(step.final_observations, step.ended)
+            infos |= self._with_rows({"final_obs": last, "final_info": self._with_rows(final, over)}, over)
         return step.observations, step.rewards.astype(np.float64), step.terminations, step.truncations, infos
 
     @staticmethod

@@ -100,14 +100,10 @@ class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 may be missi
 
     def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
         """Return an attribute, which all rows share, once for each row."""
-        if attr_name == "action_masks" and not self._has_masks:
+        if attr_name == "action_masks" and not isinstance(self.action_space, spaces.Discrete):
             raise AttributeError("velocity control has no action masks")
         value = getattr(self, attr_name)
         return [value for _ in self._get_indices(indices)]
-
-    @property
-    def _has_masks(self) -> bool:
-        return isinstance(self.action_space, spaces.Discrete)
 
     def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
         """Set an attribute, which all rows share."""
