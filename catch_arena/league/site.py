@@ -112,17 +112,17 @@ def _lines(league: League) -> list[Line]:
         won = [part.one.result.win_share(part.party, side) for part in parts if part.party < side.stop]
         lines.append(
             Line(
-                entry,
-                index,
-                f"person_{league.numbers[entry.key]}.html" if entry.kind == "person" else "",
-                "" if index is None else css(agent_color(league.rules.config, index)),
-                now,
-                now.rating - before[-1] if now is not None and before else None,
-                _status(league, index),
-                parts,
-                sum(won) / len(won) if won else None,
-                0 if index is None else next(one.number for one in versions if one.entrant == index),
-                versions,
+                entry=entry,
+                entrant=index,
+                page=f"person_{league.numbers[entry.key]}.html" if entry.kind == "person" else "",
+                color="" if index is None else css(agent_color(league.rules.config, index)),
+                now=now,
+                change=now.rating - before[-1] if now is not None and before else None,
+                status=_status(league, index),
+                parts=parts,
+                wins=sum(won) / len(won) if won else None,
+                version=0 if index is None else next(one.number for one in versions if one.entrant == index),
+                versions=versions,
             )
         )
     return sorted(lines, key=lambda line: (line.now is None, 0.0 if line.now is None else -line.now.rating))
