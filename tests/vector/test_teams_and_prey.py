@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from vector.test_vector_arena import random_actions
 
 from catch_arena import VectorArena, parallel_env, scenario
 from catch_arena.engine.episode_seeds import batch_seeds
@@ -26,15 +27,6 @@ HUNT = scenario(
 )
 """Much happens, and episodes are short."""
 TEAMS = scenario("squads", side_m=6.0, spawn_frequency_hz=8.0, reach_m=0.6, team_share=0.5, time_limit_s=2.0)
-
-
-def random_actions(config, num_envs, source):
-    """Legal ones, of both sides."""
-    agents = config.hunters + config.prey
-    return {
-        "choices": source.integers(0, config.targets_seen + 1, (num_envs, config.hunters)),
-        "commands": source.uniform(-1, 1, (num_envs, agents, 2)).astype(np.float32),
-    }
 
 
 def row_of(config, agent):
@@ -152,27 +144,25 @@ def test_shapes_and_spaces_are_those_of_the_agents():
             assert not observations[:, agent, space.shape[0] :].any()
 
 
+NAN = np.zeros((4, 6, 2))
+NAN[1, 5, 0] = np.nan
+
+
 @pytest.mark.parametrize(
-    ("change", "message"),
+    ("commands", "message"),
     [
-        (lambda actions: {**actions, "commands": None}, "commands must be numbers of the shape (4, 6, 2), got None"),
+        (None, "commands must be numbers of the shape (4, 6, 2), got None"),
         (
-            lambda actions: {**actions, "commands": actions["commands"][:, :3]},
-            "commands must be numbers of the shape (4, 6, 2), got an array of float32 of the shape (4, 3, 2)",
+            np.zeros((4, 3, 2)),
+            "commands must be numbers of the shape (4, 6, 2), got an array of float64 of the shape (4, 3, 2)",
         ),
-        (
-            lambda actions: {
-                **actions,
-                "commands": np.where(np.arange(12).reshape(6, 2) == 10, np.nan, actions["commands"]),
-            },
-            "in arena 0 for prey_2",
-        ),
+        (NAN, "in arena 1 for prey_2"),
     ],
 )
-def test_bad_actions_are_named_and_nothing_moves(change, message):
+def test_bad_commands_are_named_and_nothing_moves(commands, message):
     arena = VectorArena(HUNT, 4)
     arena.reset(seed=1)
     digest = arena.digest(2)
     with pytest.raises(ActionError, match=re.escape(message)):
-        arena.step(**change(random_actions(HUNT, 4, np.random.default_rng(1))))
+        arena.step(np.zeros((4, 3), int), commands)
     assert arena.digest(2) == digest

@@ -22,8 +22,8 @@ CONTROLS = ("target", "velocity", "full", ("target", "velocity", "full", "full",
 def random_actions(config, num_envs, source):
     """Legal ones, as the config's control wants them."""
     catches = source.integers(0, config.targets_seen + 1, (num_envs, config.hunters))
-    commands = source.uniform(-1, 1, (num_envs, config.hunters, 2)).astype(np.float32)
-    if set(config.controls) == {"target"}:
+    commands = source.uniform(-1, 1, (num_envs, config.hunters + config.prey, 2)).astype(np.float32)
+    if set(config.controls) == {"target"} and not config.prey:
         return {"choices": catches}
     if set(config.controls) == {"velocity"}:
         return {"commands": commands}
