@@ -240,7 +240,8 @@ def test_what_prey_sees_has_its_order_in_every_row(hunters: int, prey: int, rows
         play_in_place(source, config, batch, oracles)
 
 
-def test_what_hunters_see_has_its_order_in_every_row() -> None:
+@pytest.mark.parametrize("rows", [1, 20])
+def test_what_hunters_see_has_its_order_in_every_row(rows: int) -> None:
     """Twelve hunters of three teams stand in one place or two, and each sees the first four of the others: who are
     equally far may look the same but for their catches, their team or their seat, which the noise tells.
     """
@@ -254,7 +255,7 @@ def test_what_hunters_see_has_its_order_in_every_row() -> None:
         "teams": ((0, 3, 5, 10), (1, 2, 8, 11), (4, 6, 7, 9)),
         "view_noise_m": 0.1,
     }
-    rows, config, source = 20, ArenaConfig(hunters=12, control="full").replace(**settings), Random(11)
+    config, source = ArenaConfig(hunters=12, control="full").replace(**settings), Random(11)
     batch, oracles = begun(config, range(rows))
     for ranks in (0, 4):  # nobody has caught anything after the first
         for row, oracle in enumerate(oracles):
