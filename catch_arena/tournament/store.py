@@ -23,6 +23,7 @@ from catch_arena.text import one_line
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.secret import Secret
 
 if TYPE_CHECKING:
@@ -46,6 +47,7 @@ CREATE TABLE match (
 """Tables; `played` is a `PlayedMatch` as JSON."""
 _INVALID: Final = (ValueError, TypeError, RecursionError)
 """Errors of reading a value that no command has written; msgspec's are ValueErrors."""
+_BY_PARTY: Final = ("scores", "ranks", "verdicts", "contests_won", "contests_lost", "forfeits", "thinking")
 
 
 @dataclass(frozen=True, slots=True)
@@ -204,11 +206,18 @@ class Store:
 
     def records(self) -> Iterator[tuple[PlayedMatch, dict[str, str]]]:
         """Yield the played matches, as `played` does, each with the package versions that played it."""
+        tournament = self.tournament
+        parties, entrants = len(Parties.of(tournament.config)), len(tournament.entrants)
         rows = self._rows("SELECT id, value FROM versions")
         known = {key: self._decode(f"table versions, row {key}", text, dict[str, str]) for key, text in rows}
         with self._store_errors():
             for name, by, text in self._db.execute("SELECT id, versions, played FROM match ORDER BY id"):
-                yield self._decode(f"table match, row {name}", text, PlayedMatch), known[by]
+                where = f"table match, row {name}"
+                played = self._decode(where, text, PlayedMatch)
+                fault = _misfit(played, parties, entrants) or ("" if by in known else f"versions {by} are missing")
+                if fault:
+                    raise self._damaged(f"{where}: {fault}")
+                yield played, known[by]
 
     def count_played(self) -> int:
         """Return the number of played matches."""
@@ -364,6 +373,17 @@ def difference(there: Tournament, here: Tournament) -> str | None:
 
 def _shown(value: object) -> str:
     return "not given" if value is None else _json(value)
+
+
+def _misfit(one: PlayedMatch, parties: int, entrants: int) -> str | None:
+    """Return why a match cannot be of a tournament with these numbers of parties and entrants; None if it can."""
+    for part, names in ((one.match, ("seating", "agent_seeds")), (one.result, _BY_PARTY)):
+        for name in names:
+            if len(getattr(part, name)) != parties:
+                return f"{name} must be {parties}"
+    if not all(0 <= index < entrants for index in one.match.seating):
+        return f"seating must have indices of {entrants} entrants"
+    return None
 
 
 def _json(value: object) -> str:
