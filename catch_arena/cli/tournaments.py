@@ -36,6 +36,7 @@ from catch_arena.tournament.store import STORE, Store
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
 _DUEL = Arena("duel")
 _MOST_MB = 1000
+_MOST_TO_SEPARATE = 100_000
 _EXIT_UNDECIDED = 3
 
 
@@ -98,13 +99,7 @@ def tournament(
     from catch_arena.tournament.execution.cost import measure_cost
     from catch_arena.tournament.execution.executors import Worker
     from catch_arena.tournament.execution.runner import LOGS, Setup
-    from catch_arena.tournament.plans.schedule import (
-        BUDGET,
-        MOST_IN_A_ROUND,
-        MOST_ROUNDS,
-        UntilSeparated,
-        plan_of,
-    )
+    from catch_arena.tournament.plans.schedule import BUDGET, UntilSeparated, plan_of
 
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
@@ -115,16 +110,17 @@ def tournament(
     require_enough(len(entrants), parties, arena.scenario, tournament=True)
     begun = Store.tournament_in(out) if resume else None
     secret = given or (begun.secret if begun else Secret.of(None))
-    most = max_matches or (MOST_IN_A_ROUND if until_separated is None else BUDGET)
+    most = max_matches if until_separated is None else max_matches or BUDGET
     plan_with = partial(plan_of, form, len(entrants), parties, seed=secret, most=most)
     in_a_round = plan_with(1).size
-    if in_a_round > most and (max_matches is not None or until_separated is not None):
+    if most is not None and most < in_a_round:
         raise ConfigError(f"--max-matches must be at least {in_a_round}, so that all play equally often, got {most}")
-    if until_separated is None:
+    if until_separated is None or most is None:
         plan, bound = plan_with(rounds), ""
+    elif most > _MOST_TO_SEPARATE:
+        raise ConfigError(f"--max-matches must be at most {_MOST_TO_SEPARATE} with --until-separated, got {most}")
     else:
-        longest = plan_with(min(most // in_a_round, MOST_ROUNDS))
-        plan, bound = UntilSeparated(longest, entrants, parties, until_separated), "at most "
+        plan, bound = UntilSeparated(plan_with(most // in_a_round), entrants, parties, until_separated), "at most "
     setup = Setup(out, plan, Worker(config, entrants, record, quotas), secret, max_forfeits)
     require_own_folder(out, force=force)
     if not (out / STORE).exists():

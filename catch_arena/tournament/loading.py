@@ -16,6 +16,7 @@ from typing import Any, Final, get_args
 from catch_arena.config import Control
 from catch_arena.errors import AgentError, ConfigError, reason, suggest
 from catch_arena.policy import Policy, PreyPolicy, Side
+from catch_arena.text import shortened
 from catch_arena.tournament.agent_spec import (
     COMMAND,
     IN_FOLDER,
@@ -59,10 +60,12 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
     for method in ("reset", "act"):
         if not callable(getattr(policy, method, None)):
             raise AgentError(f"{spec}: {found.__name__} must have a method {method}")
-    if side == "prey" and control not in (None, "velocity"):
-        raise AgentError(f"{spec}: Prey.control must be velocity or be left out (R12.2), got {control!r}")
-    if side == "hunter" and control not in get_args(Control):
-        raise AgentError(f"{spec}: control must be target, velocity or full, got {control!r}")
+    allowed: tuple[str | None, ...] = get_args(Control)
+    rule = "control must be target, velocity or full"
+    if side == "prey":
+        allowed, rule = (None, "velocity"), "Prey.control must be velocity or be left out (R12.2)"
+    if not isinstance(control, str | None) or control not in allowed:  # an array would give no bool
+        raise AgentError(f"{spec}: {rule}, got {shortened(control)}")
     made: Policy | PreyPolicy = policy if own is None else _InFolder(policy, own)
     return made
 

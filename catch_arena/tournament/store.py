@@ -112,7 +112,7 @@ class Store:
         """Open the store for playing a tournament; other commands cannot play in its folder meanwhile.
 
         Raises:
-            StoreError: if the folder has a store already that is not to be resumed, or another command plays in it.
+            StoreError: if the folder's store has matches and is not to be resumed, or another command plays in it.
             OtherTournamentError: if the folder's store is of another tournament.
         """
         path = folder / STORE
@@ -215,8 +215,8 @@ class Store:
                 where = f"table match, row {name}"
                 played = self._decode(where, text, PlayedMatch)
                 fault = _misfit(played, parties, entrants) or ("" if by in known else f"versions {by} are missing")
-                if fault:
-                    raise self._damaged(f"{where}: {fault}")
+                if fault or played.match.id != name:
+                    raise self._damaged(f"{where}: {fault or 'id must be that of the row'}")
                 yield played, known[by]
 
     def count_played(self) -> int:
@@ -244,7 +244,7 @@ class Store:
                     db.execute(statement)
                 db.execute(f"PRAGMA application_id = {_APPLICATION_ID}")
                 db.execute(f"PRAGMA user_version = {_FORMAT}")
-            if not self.count_planned():  # an earlier command ended before it planned a match
+            if not self.count_played():  # an earlier command ended before the end of the first block
                 facts = [(one.name, _json(getattr(tournament, one.name))) for one in fields(tournament)]
                 db.executemany("INSERT OR REPLACE INTO fact VALUES (?, ?)", facts)
             elif not resume:

@@ -106,6 +106,7 @@ FORGED = {
     "too few scores": "UPDATE match SET played = json_set(played, '$.result.scores', json('[1]'))",
     "wrong seats": "UPDATE match SET played = json_set(played, '$.match.seating', json('[0,7]'))",
     "too few seats": "UPDATE match SET played = json_set(played, '$.match.seating', json('[0]'))",
+    "another id": "UPDATE match SET played = json_set(played, '$.match.id', '0000!')",
     "seats that are no numbers": "UPDATE match SET played = json_set(played, '$.match.seating', json('[0,true]'))",
     "a seed that is text": "UPDATE match SET played = json_set(played, '$.match.seed', 'x')",
     "versions of another kind": "UPDATE versions SET value = '[]'",

@@ -168,7 +168,7 @@ def test_r12_7_isolated_agents_play_the_same_match(tmp_path, config):
             "Prey.control must be velocity or be left out (R12.2)",
         ),
         (
-            'class Prey:\n    control = ["velocity"]\n' + RESETS_AND_ACTS,
+            'import numpy\nclass Prey:\n    control = numpy.array(["target", "velocity"])\n' + RESETS_AND_ACTS,
             "Prey.control must be velocity or be left out (R12.2)",
         ),
     ],

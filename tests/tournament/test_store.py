@@ -36,16 +36,10 @@ def store(tmp_path):
         yield store
 
 
-def begun(folder):
-    """A tournament that got as far as its plan."""
-    with Store.begin(FACTS, folder) as store:
-        store.set_planned(PLAN.size)
-
-
 def begin(folder, facts=FACTS, *, resume=False):
-    """A tournament that got no further than its beginning."""
-    with Store.begin(facts, folder, resume=resume):
-        pass
+    """Begin a tournament that gets no further than its plan."""
+    with Store.begin(facts, folder, resume=resume) as store:
+        store.set_planned(PLAN.size)
 
 
 def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, played):
@@ -138,12 +132,13 @@ def changed(**facts):
         (changed(prey_digest="0" * 16), None),
     ],
 )
-def test_another_tournament_does_not_go_on_with_it_and_is_told_why(tmp_path, change, message):
+def test_another_tournament_does_not_go_on_with_it_and_is_told_why(tmp_path, played, change, message):
     """But the place of an agent's file does not matter, nor who would play prey where there is none.
 
     tests/cli/test_commands.py has other settings and agents, and test_secret.py has another seed.
     """
-    begun(tmp_path)
+    with Store.begin(FACTS, tmp_path) as store:
+        store.add(played[:1])
     other = dataclasses.replace(FACTS, **change)
     if message is None:
         begin(tmp_path, other, resume=True)
@@ -171,8 +166,8 @@ def test_it_keeps_its_secret_from_others_and_until_the_end(store, tmp_path, play
     assert not store.ended
 
 
-def test_one_that_got_no_further_than_its_beginning_may_begin_as_another(tmp_path):
-    """For example if a cluster did not answer."""
+def test_one_without_a_match_may_begin_as_another(tmp_path):
+    """For example after Ctrl-C in the first match, or if a cluster did not answer."""
     begin(tmp_path)
     other = dataclasses.replace(FACTS, plan=round_robin(3, hunters(2), 3, seed=4).parameters)
     begin(tmp_path, other)
@@ -227,8 +222,8 @@ def test_one_command_plays_in_a_folder_at_a_time(tmp_path):
         Store.begin(FACTS, tmp_path),
         pytest.raises(StoreError, match=f"^{re.escape(str(tmp_path))}: another command is playing in this folder$"),
     ):
-        begun(tmp_path)
-    begun(tmp_path)
+        begin(tmp_path)
+    begin(tmp_path)
 
 
 def test_a_reader_sees_each_block_that_is_kept_and_changes_nothing(store, tmp_path, played):

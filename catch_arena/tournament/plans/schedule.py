@@ -22,10 +22,10 @@ from catch_arena.tournament.statistics.separation import Separation, next_look, 
 FORMATS: Final = ("round-robin", "gauntlet")
 
 _MOST_MATCHES: Final = 1_000_000
-MOST_ROUNDS: Final = 99_999
+_MOST_ROUNDS: Final = 99_999
 """Largest number of rounds, or of sweeps in all rounds together: match ids have five digits for it."""
 MOST_IN_A_ROUND: Final = 20_000
-"""Largest number of matches in a round; if all groups need more, a balanced sample of the groups is played."""
+"""Usual largest number of matches in a round of all groups; a larger one is a balanced sample of the groups."""
 _BLOCKS_OF_EACH: Final = 10
 """Smallest number of blocks for each entrant if no rounds are given: all figures have an interval then."""
 BUDGET: Final = 10_000
@@ -62,7 +62,7 @@ def plan_of(
     parties: Parties,
     rounds: int | None,
     seed: Secret | int,
-    most: int = MOST_IN_A_ROUND,
+    most: int | None = None,
 ) -> Plan:
     """Return the plan of a format: each round has a block for each group of entrants, or for a balanced sample of them.
 
@@ -76,8 +76,8 @@ def plan_of(
         rounds: None for the fewest in which each entrant plays ten blocks, so that its figures have intervals.
         seed: source of all draws; an integer in [0, 2^64) can be guessed.
         most: largest number of matches in a round. If all groups need more, a sample is played, in which all play
-            equally often: as many groups as fit, at least one sweep (balanced_groups.py), and no more than give as many
-            meetings as there are pairs.
+            equally often: at most as many groups as give as many meetings as there are pairs, and at least one sweep
+            (balanced_groups.py). None for such a sample, whole, instead of more than MOST_IN_A_ROUND matches.
 
     Raises:
         ConfigError: for an unknown format, a number of rounds out of range, too few entrants or too many matches.
@@ -89,19 +89,21 @@ def plan_of(
     first = range(int(wanted == "gauntlet"))
     others, free = entrants - len(first), parties.group - len(first)
     if not free:
-        raise ConfigError(f"format gauntlet needs at least 2 hunters in a match, got {parties.group}")
+        raise ConfigError(f"format gauntlet needs at least 2 hunters or teams in a match, got {parties.group}")
     count, turns, subject = comb(others, free), 1, f"every {free} of {others} entrants"
     parameters: dict[str, str | int | float] = {"format": wanted}
-    sampled = count * parties.block_size > most
+    sampled = count * parties.block_size > (MOST_IN_A_ROUND if most is None else most)
     if sampled:
         count, enough = groups_in_sweep(others, free), sweeps_to_meet(others, free)
-        turns = min(enough, max(1, most // (count * parties.block_size)))
+        turns = enough if most is None else min(enough, max(1, most // (count * parties.block_size)))
         subject = f"balanced blocks of {entrants} entrants"
-        parameters = {"format": wanted if first else "balanced"} | ({"sweeps": turns} if turns < enough else {})
+        parameters = {"format": wanted if first else "balanced"} | (
+            {"matches_in_a_round": turns * count * parties.block_size} if turns < enough else {}
+        )
     if rounds is None:
         rounds = ceil(_BLOCKS_OF_EACH * others / (turns * count * free))
-    if not 1 <= rounds <= MOST_ROUNDS // turns:
-        raise ConfigError(f"rounds must be at least 1 and at most {MOST_ROUNDS // turns}, got {rounds}")
+    if not 1 <= rounds <= _MOST_ROUNDS // turns:
+        raise ConfigError(f"rounds must be at least 1 and at most {_MOST_ROUNDS // turns}, got {rounds}")
     turns *= rounds
     size = turns * count * parties.block_size
     if size > _MOST_MATCHES:
@@ -161,9 +163,11 @@ class UntilSeparated(Plan):
 
     def __init__(self, plan: Plan, entrants: Sequence[Entrant], parties: Parties, confidence: float) -> None:
         if not 0.5 <= confidence < 1:
-            raise ConfigError(f"confidence must lie in [0.5, 1), such as 0.95, got {confidence}")
+            raise ConfigError(f"until_separated must lie in [0.5, 1), such as 0.95, got {confidence}")
         if parties.group == 1:
-            raise ConfigError("until_separated needs at least 2 hunters in a match, got 1: ratings compare rivals")
+            raise ConfigError(
+                "until_separated needs at least 2 hunters or teams in a match, got 1: ratings compare rivals"
+            )
         kept = {"format": plan.parameters["format"], "until_separated": confidence}
         super().__init__(kept, plan.size, plan.blocks)
         self._round = plan.size // parties.block_size // int(plan.parameters["rounds"])

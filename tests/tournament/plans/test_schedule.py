@@ -70,7 +70,7 @@ def test_balanced_blocks_let_everybody_play_and_meet_equally(sizes):
     """No pair has more than five blocks more than another, however many rounds there are; docs/howto/tournaments.md."""
     entrants, seats, rounds = sizes
     plan = plan_of("round-robin", entrants, hunters(seats), rounds, seed=3, most=1)
-    assert plan.parameters.get("sweeps", 1) == 1
+    assert plan.parameters.get("matches_in_a_round", plan.size // rounds) == plan.size // rounds
     (least, most), (seldom, often) = match_counts(plan, entrants)
     assert least == most == plan.size * seats // entrants
     assert often - seldom <= 5 * seats
@@ -93,8 +93,9 @@ def test_of_more_groups_than_a_round_may_have_a_balanced_sample_is_played():
     assert plan_of("round-robin", 30, hunters(4), 1, 0).parameters["format"] == "balanced"
     assert plan_of("round-robin", 30, hunters(4), 1, 0).size == 300
     assert plan_of("round-robin", 30, hunters(4), 1, 0, most=109_620).size == 109_620
+    assert plan_of("round-robin", 150, hunters(2), 1, 0).size == 22_350
     fitting = plan_of("round-robin", 12, hunters(2), 1, 0, most=100)
-    assert fitting.parameters == {"format": "balanced", "sweeps": 8, "rounds": 1}
+    assert fitting.parameters == {"format": "balanced", "matches_in_a_round": 96, "rounds": 1}
     assert fitting.size == 8 * 12
     assert (
         plan_of("gauntlet", 41, hunters(4), 1, 0).size
@@ -137,7 +138,7 @@ def test_a_plan_that_cannot_be_is_refused(rounds, seed, message):
 def test_a_format_that_cannot_be_is_refused():
     with pytest.raises(ConfigError, match=r"format must be one of .* got 'gauntlett'"):
         plan_of("gauntlett", 4, hunters(2), 1, 0)
-    with pytest.raises(ConfigError, match="gauntlet needs at least 2 hunters in a match, got 1"):
+    with pytest.raises(ConfigError, match="gauntlet needs at least 2 hunters or teams in a match, got 1"):
         plan_of("gauntlet", 4, hunters(1), 1, 0)
 
 

@@ -26,5 +26,5 @@ def test_it_ends_when_the_order_is_clear_after_whole_rounds():
 
 def test_entrants_that_never_meet_cannot_be_separated():
     entrants = enter(["nearest", "idle"])
-    with pytest.raises(ConfigError, match="until_separated needs at least 2 hunters in a match, got 1"):
+    with pytest.raises(ConfigError, match="until_separated needs at least 2 hunters or teams in a match, got 1"):
         UntilSeparated(round_robin(2, hunters(1), 9, 1), entrants, hunters(1), 0.9)
