@@ -53,7 +53,7 @@ def catch_arena(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[...
 
 @pytest.fixture
 def without_a_screen(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Small windows in memory, on a machine that is never busy: nobody waits for a frame, and none is left open."""
+    """Open small windows without a display, do not wait between frames, and close the windows after the test."""
     from catch_arena.render.optional_imports import pygame
 
     class SteadyClock:

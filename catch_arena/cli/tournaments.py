@@ -103,6 +103,9 @@ def tournament(
 
     if until_separated is not None and rounds is not None:
         raise ConfigError(f"--rounds must be left out with --until-separated, got {rounds}: --max-matches ends it")
+    budget = max_matches or BUDGET
+    if until_separated is not None and budget > _MOST_TO_SEPARATE:
+        raise ConfigError(f"--max-matches must be at most {_MOST_TO_SEPARATE} with --until-separated, got {budget}")
     config, quotas = arena.config(), trust.quotas()
     parties = Parties.of(config)
     given = None if seed is None else Secret.parse(seed)
@@ -110,17 +113,15 @@ def tournament(
     require_enough(len(entrants), parties, arena.scenario, tournament=True)
     begun = Store.tournament_in(out) if resume else None
     secret = given or (begun.secret if begun else Secret.of(None))
-    most = max_matches if until_separated is None else max_matches or BUDGET
+    most = max_matches if until_separated is None else budget
     plan_with = partial(plan_of, form, len(entrants), parties, seed=secret, most=most)
     in_a_round = plan_with(1).size
     if most is not None and most < in_a_round:
         raise ConfigError(f"--max-matches must be at least {in_a_round}, so that all play equally often, got {most}")
-    if until_separated is None or most is None:
+    if until_separated is None:
         plan, bound = plan_with(rounds), ""
-    elif most > _MOST_TO_SEPARATE:
-        raise ConfigError(f"--max-matches must be at most {_MOST_TO_SEPARATE} with --until-separated, got {most}")
     else:
-        plan, bound = UntilSeparated(plan_with(most // in_a_round), entrants, parties, until_separated), "at most "
+        plan, bound = UntilSeparated(plan_with(budget // in_a_round), entrants, parties, until_separated), "at most "
     setup = Setup(out, plan, Worker(config, entrants, record, quotas), secret, max_forfeits)
     require_own_folder(out, force=force)
     if not (out / STORE).exists():

@@ -214,9 +214,9 @@ class Store:
             for name, by, text in self._db.execute("SELECT id, versions, played FROM match ORDER BY id"):
                 where = f"table match, row {name}"
                 played = self._decode(where, text, PlayedMatch)
-                fault = _misfit(played, parties, entrants) or ("" if by in known else f"versions {by} are missing")
-                if fault or played.match.id != name:
-                    raise self._damaged(f"{where}: {fault or 'id must be that of the row'}")
+                fault = _misfit(played, name, parties, entrants) or (by not in known and f"versions {by} are missing")
+                if fault:
+                    raise self._damaged(f"{where}: {fault}")
                 yield played, known[by]
 
     def count_played(self) -> int:
@@ -375,8 +375,10 @@ def _shown(value: object) -> str:
     return "not given" if value is None else _json(value)
 
 
-def _misfit(one: PlayedMatch, parties: int, entrants: int) -> str | None:
-    """Return why a match cannot be of a tournament with these numbers of parties and entrants; None if it can."""
+def _misfit(one: PlayedMatch, row: str, parties: int, entrants: int) -> str | None:
+    """Return why a match cannot be in that row, with these numbers of parties and entrants; None if it can."""
+    if one.match.id != row:
+        return "id must be that of the row"
     for part, names in ((one.match, ("seating", "agent_seeds")), (one.result, _BY_PARTY)):
         for name in names:
             if len(getattr(part, name)) != parties:

@@ -52,7 +52,7 @@ class Setup:
         return Tournament(worker.config, worker.entrants, self.plan.parameters, self.secret.text, terms)
 
     def begin(self, *, resume: bool) -> AbstractContextManager[Store]:
-        """Make the folder and open its store; without `resume` the store must not have a plan yet.
+        """Make the folder and open its store; without `resume` the store must not have matches yet.
 
         Raises:
             ConfigError: if the folder lies in that of an agent.

@@ -97,9 +97,10 @@ def plan_of(
         count, enough = groups_in_sweep(others, free), sweeps_to_meet(others, free)
         turns = enough if most is None else min(enough, max(1, most // (count * parties.block_size)))
         subject = f"balanced blocks of {entrants} entrants"
-        parameters = {"format": wanted if first else "balanced"} | (
-            {"matches_in_a_round": turns * count * parties.block_size} if turns < enough else {}
-        )
+        if not first:
+            parameters["format"] = "balanced"
+        if turns < enough:
+            parameters["matches_in_a_round"] = turns * count * parties.block_size
     if rounds is None:
         rounds = ceil(_BLOCKS_OF_EACH * others / (turns * count * free))
     if not 1 <= rounds <= _MOST_ROUNDS // turns:
