@@ -371,44 +371,32 @@ class VectorArena:
 
     # saving
 
-    def save(self) -> SavedState:
-        """R10.2: return the state of all arenas. `restore` takes it, in this batch or in one of equal config and size.
+    def save(self, arena: int | None = None) -> SavedState:
+        """R10.2: return the state of all arenas, which `restore` takes in a batch of equal config and size; or that of
+        one arena, which any row of a batch of equal config can take.
 
         Raises:
+            ConfigError: for a row that does not exist.
             EpisodeError: before the first reset.
         """
         self._require_begun("save")
-        return self._engine.save()
+        return self._engine.save(None if arena is None else self._row("save", arena))
 
-    def restore(self, saved: SavedState) -> Begun:
-        """Continue from a saved state, bit for bit; the records of past episodes are restored too.
+    def restore(self, saved: SavedState, arena: int | None = None) -> Begun:
+        """Continue from a saved state, bit for bit, in all arenas or in one; the records of past episodes are restored
+        too.
 
         Returns:
             observations and infos, as from `reset`.
 
         Raises:
-            ConfigError: for anything that `save` of an equal config and number of arenas did not return.
+            ConfigError: for a row that does not exist, and for anything that `save` of an equal config, and of as many
+                arenas or a single one, did not return.
+            EpisodeError: for a single arena before the first reset.
         """
-        self._engine.restore(saved)
+        self._engine.restore(saved, None if arena is None else self._row("restore", arena))
         self._update_ends()
         self._has_begun = True
-        return self._reset_results()
-
-    def save_row(self, arena: int) -> SavedState:
-        """R10.2: return the state of one arena, which any row of a batch of equal config can take."""
-        return self._engine.save(self._row("save_row", arena))
-
-    def restore_row(self, arena: int, saved: SavedState) -> Begun:
-        """Continue from a saved row in one arena.
-
-        Returns:
-            observations and infos, as from `reset`.
-
-        Raises:
-            ConfigError: for a row that does not exist, and for anything but a saved row of an equal config.
-        """
-        self._engine.restore(saved, self._row("restore_row", arena))
-        self._update_ends()
         return self._reset_results()
 
     def clone(self) -> "VectorArena":

@@ -129,13 +129,16 @@ def spread(arena: catch_arena.VectorArena, actions: Sequence[Any]) -> None:
     few = catch_arena.VectorArena(arena.config, _NEIGHBOURS)
     few.reset(1)
     first = [_few(one) for one in actions]
+    # older commits have methods of their own for one row
+    save = few.save if not hasattr(few, "save_row") else few.save_row
+    restore = arena.restore if not hasattr(arena, "restore_row") else lambda state, row: arena.restore_row(row, state)
     saved = []
     for age in range(_AGES):
-        saved += [few.save_row(row) for row in range(_NEIGHBOURS)]
+        saved += [save(row) for row in range(_NEIGHBOURS)]
         for _ in range(arena.config.max_steps * age // _AGES, arena.config.max_steps * (age + 1) // _AGES):
             few.step(*first)
     for row in range(arena.num_envs):
-        arena.restore_row(row, saved[row % len(saved)])
+        restore(saved[row % len(saved)], row)
 
 
 def _few(actions: Any) -> Any:

@@ -127,7 +127,7 @@ def test_r10_2_a_batch_goes_on_from_any_point(match, size, auto_reset):
     draw = np.random.default_rng(match)
     for _ in range(source.randrange(25)):
         arena.step(*batch_actions(draw, arena))
-    saved, row = arena.save(), arena.save_row(size - 1)
+    saved, row = arena.save(), arena.save(size - 1)
     twins = [arena.clone(), copy.deepcopy(arena), pickle.loads(pickle.dumps(arena))]  # noqa: S301
     script = [batch_actions(draw, arena) for _ in range(25)]
     expected = [flat(arena.step(*actions)) for actions in script]
@@ -137,7 +137,7 @@ def test_r10_2_a_batch_goes_on_from_any_point(match, size, auto_reset):
     arena.restore(saved)
     for again in (arena, other, *twins):
         assert [flat(again.step(*actions)) for actions in script] == expected
-    other.restore_row(0, row)
+    other.restore(row, 0)
     for actions in script:
         other.step(*turned(actions))
     assert other.digest(0) == last
@@ -154,7 +154,7 @@ def test_a_state_goes_between_arenas_that_reset_by_themselves_and_that_do_not():
         other.step(np.zeros((3, 2), dtype=int))
         other.restore(one.save())
         assert [other.digest(row) for row in range(3)] == [one.digest(row) for row in range(3)]
-        other.restore_row(2, one.save_row(0))
+        other.restore(one.save(0), 2)
         assert other.digest(2) == one.digest(0)
         one.restore(other.save())
 
@@ -239,12 +239,12 @@ def test_what_another_version_has_kept_is_refused_before_anything_changes():
     env.reset(seed=1)
     batch.reset(seed=1)
     before = env.digest(), batch.digest(0), batch.digest(1)
-    episode, both, row = env.save(), batch.save(), batch.save_row(0)
+    episode, both, row = env.save(), batch.save(), batch.save(0)
     shorter = [dataclasses.replace(saved, memory=saved.memory[:-8]) for saved in (episode.arena, both, row)]
     for call in (
         lambda: env.restore(dataclasses.replace(episode, arena=shorter[0])),
         lambda: batch.restore(shorter[1]),
-        lambda: batch.restore_row(1, shorter[2]),
+        lambda: batch.restore(shorter[2], 1),
     ):
         with pytest.raises(ConfigError, match=r"come from this version of Catch Arena, in which it has \d+ bytes, got"):
             call()
@@ -283,8 +283,8 @@ def test_what_is_saved_twice_is_equal_until_something_happens(match):
     assert given == copy.deepcopy(given)
     assert (turns.save() == turns.save(), turns.save() == given) == (True, False)
     assert batch.save() == batch.save()
-    assert batch.save_row(0) == batch.save_row(0)
-    assert batch.save_row(0) != batch.save_row(1)
+    assert batch.save(0) == batch.save(0)
+    assert batch.save(0) != batch.save(1)
     assert (batch.save() != batch.save()) is False
 
 

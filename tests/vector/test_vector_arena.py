@@ -171,7 +171,7 @@ def test_controls_are_kept_with_a_state():
     arena = VectorArena("duel", 3, any_control=True)
     arena.reset(seed=SEED)
     arena.set_controls([[0, 1], [1, 2], [2, 0]])
-    saved, row = arena.save(), arena.save_row(1)
+    saved, row = arena.save(), arena.save(1)
     actions = {"commands": np.full((3, 2, 2), 0.5), "choices": np.ones((3, 2), int)}
     arena.step(**actions)
     expected = [arena.digest(number) for number in range(3)]
@@ -181,12 +181,12 @@ def test_controls_are_kept_with_a_state():
         again.restore(saved)
         again.step(**actions)
         assert [again.digest(number) for number in range(3)] == expected
-        again.restore_row(2, row)
+        again.restore(row, 2)
         again.step(**actions)
         assert again.digest(2) == expected[1]
     plain = VectorArena("duel", 3)
     plain.reset(seed=1)
-    for take in (lambda: plain.restore(saved), lambda: plain.restore_row(0, row)):
+    for take in (lambda: plain.restore(saved), lambda: plain.restore(row, 0)):
         with pytest.raises(ConfigError, match="cannot differ in their controls: make it with any_control=True"):
             take()
     arena.restore(plain.save())
@@ -339,10 +339,10 @@ def test_what_restores_returns_what_a_reset_returns():
     """With copies there is no other way to the masks of what was restored."""
     arena = VectorArena("standard", 3, copy=True)
     first, infos = arena.reset(seed=SEED)
-    saved, row = arena.save(), arena.save_row(2)
+    saved, row = arena.save(), arena.save(2)
     for _ in range(30):
         last, *_ = arena.step(np.ones((3, 4), dtype=int))
-    observations, notes = arena.restore_row(2, row)
+    observations, notes = arena.restore(row, 2)
 
     assert (observations == np.stack((*last[:2], first[2]))).all()
     assert (notes["action_mask"][2] == infos["action_mask"][2]).all()
@@ -444,7 +444,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
     for name, call in {
         "step": lambda: arena.step([[0, 0]] * 3),
         "digest": lambda: arena.digest(0),
-        "restore_row": lambda: arena.restore_row(1, None),
+        "restore": lambda: arena.restore(None, 1),
         "save": arena.save,
     }.items():
         with pytest.raises(EpisodeError, match=rf"^cannot call {name}\(\): no episode has begun"):
@@ -469,8 +469,8 @@ def test_what_else_is_wrong_is_told_in_one_line():
         (arena.restore, other.save(), "saved must come from an arena with an equal config"),
         (arena.restore, None, r"saved must be a state that save\(\) returned"),
         (arena.restore, larger.save(), "a saved state must be that of 3 arenas here, got that of 40 arenas"),
-        (arena.restore, arena.save_row(0), "a saved state must be that of 3 arenas here, got that of a single row"),
-        (lambda saved: arena.restore_row(0, saved), larger.save(), "must be that of a single row here, got that of 40"),
+        (arena.restore, arena.save(0), "a saved state must be that of 3 arenas here, got that of a single row"),
+        (lambda saved: arena.restore(saved, 0), larger.save(), "must be that of a single row here, got that of 40"),
     ):
         with pytest.raises(ConfigError, match=message):
             restore(saved)
