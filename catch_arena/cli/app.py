@@ -3,6 +3,7 @@
 Heavy modules (the engine, the renderer) are imported only by the commands that need them: --help must be fast.
 """
 
+import os
 import sys
 from collections.abc import Callable, Iterable, Mapping
 from contextlib import suppress
@@ -118,8 +119,11 @@ def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
             single.append(parameter.replace(kind=Parameter.KEYWORD_ONLY))
 
     def run(**given: Any) -> Any:
-        # bash does not expand the tilde of --out=~/x
-        given = {name: value.expanduser() if isinstance(value, Path) else value for name, value in given.items()}
+        # bash does not expand the tilde of --out=~/x, and Path.expanduser() raises for an unknown user
+        given = {
+            name: Path(os.path.expanduser(value)) if isinstance(value, Path) else value  # noqa: PTH111
+            for name, value in given.items()
+        }
         for name, kind in shared.items():
             given[name] = kind(**{field.name: given.pop(field.name) for field in fields(kind)})
         return command(**given)

@@ -112,7 +112,7 @@ def resolve(word: str) -> AgentSpec:
         return _resolve_command(word)
     if (file := word.rpartition(":")[0]).endswith(".py"):
         raise AgentError(f"{word}: a file is given alone, and its class is called Agent: {file}")
-    path = Path(os.path.abspath(Path(word).expanduser()))  # noqa: PTH100 - absolute() keeps ".."; links stay
+    path = _absolute(word)
     is_path = os.sep in word or word.endswith(".py")
     if word in (known := ladder_names() if word.startswith(LADDER) else shipped_names()):
         return AgentSpec(shipped_spec(word), (word,))
@@ -203,7 +203,7 @@ def _resolve_command(spec: str) -> AgentSpec:
         raise AgentError(f"{spec}: must be a command as a shell takes it: {error}") from None
     if not words:
         raise AgentError(f"{COMMAND} must name a command, as in {COMMAND}./my_bot")
-    named = {word: Path(os.path.abspath(path)) for word in words if (path := Path(word).expanduser()).exists()}  # noqa: PTH100
+    named = {word: path for word in words if (path := _absolute(word)).exists()}
     files = {word: path for word, path in named.items() if path.is_file()}
     program, *arguments = [str(named.get(word, word)) for word in words]
     if words[0] in files:
@@ -217,6 +217,12 @@ def _resolve_command(spec: str) -> AgentSpec:
     content = b"\0".join([*(word.encode() for word in words if word not in named), *contents])
     path = next(iter(files.values()), Path(Path(program).name))
     return AgentSpec(COMMAND + shlex.join([found, *arguments]), _path_to(path), content)
+
+
+def _absolute(word: str) -> Path:
+    """Return the absolute path of a word; links stay, and so does the tilde of an unknown user."""
+    # Path.absolute() keeps "..", and Path.expanduser() raises for an unknown user
+    return Path(os.path.abspath(os.path.expanduser(word)))  # noqa: PTH100, PTH111
 
 
 def _require_program(word: str, path: Path) -> None:

@@ -281,6 +281,7 @@ def test_text_in_another_encoding_is_named(tmp_path, encoding, why):
     ("words", "message"),
     [
         (["nearest", "--spec", "missing.toml"], "missing.toml: cannot be read: No such file or directory"),
+        (["nearest", "--spec", "~nobody_here/spec.toml"], "~nobody_here/spec.toml: cannot be read: No such file"),
         (["nope", "--spec", "spec.toml"], "unknown agent 'nope'"),
         (["nearest", "--spec", "spec.toml", "--json", "file/grades.json"], "file: cannot be written"),
     ],
@@ -299,6 +300,13 @@ def test_an_opponent_that_cannot_play_is_the_specs_fault(grade, tmp_path):
     result = grade("nearest", spec=SPEC.replace('"idle"', '"broken.py"'))
     assert result.exit_code == 2
     assert "spec.toml: against one that holds: opponent broken.py cannot play: " in result.stderr
+
+
+def test_an_opponent_of_an_unknown_user_is_one_line(grade):
+    result = grade("nearest", spec=SPEC.replace('"idle"', '"~nobody_here"'))
+    assert result.exit_code == 2
+    assert result.stderr.startswith("error: unknown agent '~nobody_here': ")
+    assert len(result.stderr.splitlines()) == 1
 
 
 def test_what_hints_point_at_is_there():
