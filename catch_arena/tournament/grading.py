@@ -304,7 +304,7 @@ def seeds_text(spec: GradingSpec) -> str:
             {
                 "test": test.name,
                 "matches": [
-                    {"seat": match.seating.index(0), "seed": match.seed, "agent_seeds": match.agent_seeds}
+                    {"party": match.seating.index(0), "seed": match.seed, "agent_seeds": match.agent_seeds}
                     for match in spec.matches(test)
                 ],
             }

@@ -65,11 +65,20 @@ def test_seeds_stand_in_no_output(grade):
     seeds = json.loads(Path("seeds.json").read_text())
     assert seeds["seed"] == "c0ffee00" * 4
     matches = [match for test in seeds["tests"] for match in test["matches"]]
-    assert [match["seat"] for match in matches] == [0, 0, 0, 1]
+    assert [match["party"] for match in matches] == [0, 0, 0, 1]
     hidden = {match["seed"] for match in matches} | {seed for match in matches for seed in match["agent_seeds"]}
     assert len(hidden) == 10
     for text in (result.output, Path("grades.json").read_text(), Path("grades.xml").read_text()):
         assert not [seed for seed in (*hidden, "c0ffee") if str(seed) in text]
+
+
+def test_the_seeds_of_a_match_of_teams_name_the_students_team(grade):
+    teams = SPEC.replace('"duel"', '"standard"').replace(
+        "time_limit_s = 8", "time_limit_s = 1, teams = [[0, 1], [2, 3]]"
+    )
+    grade("idle", "--seeds", "seeds.json", spec=teams)
+    matches = json.loads(Path("seeds.json").read_text())["tests"][1]["matches"]
+    assert [match["party"] for match in matches] == [0, 1]
 
 
 def test_an_agent_is_told_its_own_seeds_and_of_the_matches_only_what_it_sees(grade):
