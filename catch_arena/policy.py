@@ -4,7 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache, cached_property
-from typing import Any, ClassVar, Literal, NamedTuple, Protocol, runtime_checkable
+from typing import Any, ClassVar, Literal, NamedTuple, Protocol, get_args, runtime_checkable
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import AgentError, ConfigError, require_type
@@ -426,6 +426,6 @@ class PreyPolicy(Protocol):
 def control_of(policy: object) -> Control:
     """Return the control that a policy, or its class, names; "target" if it names none."""
     control: Control = getattr(policy, "control", "target")
-    if control not in ("target", "velocity", "full"):
-        raise AgentError(f"control of {policy!r} must be target, velocity or full, got {control!r}")
+    if not isinstance(control, str) or control not in get_args(Control):  # comparing an array would give no bool
+        raise AgentError(f"control of {policy!r} must be target, velocity or full, got {shortened(control)}")
     return control

@@ -1,10 +1,11 @@
 """A match ranks agents, gives them their seeds, and goes on when one of them fails."""
 
+import numpy as np
 import pytest
 from tournament.played_matches import made_up
 
 from catch_arena import Replay, interrupts, scenario
-from catch_arena.errors import ConfigError
+from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import Forfeit, ranks_of
 from catch_arena.tournament.match_loop import play_match
@@ -47,6 +48,13 @@ def test_agents_seeds_are_those_of_the_plan_or_follow_from_the_match_and_the_sea
     agents = [Plays(), Plays()]
     play_match(SHORT, 77, agents, ["a", "b"], agent_seeds=planned)
     assert [agent.seed for agent in agents] == seeds
+
+
+def test_a_control_that_is_an_array_is_refused_in_one_line():
+    agent = Plays()
+    agent.control = np.zeros(2)
+    with pytest.raises(AgentError, match=r"^control of .* must be target, velocity or full, got array\(\[0., 0.\]\)$"):
+        play_match(SHORT, 1, [agent, Plays()], ["a", "b"])
 
 
 def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):
