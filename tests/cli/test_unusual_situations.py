@@ -1,6 +1,7 @@
 """Full disks, folders that are gone and links that lead to themselves: no command ends in a traceback."""
 
 import csv
+import errno
 import os
 import subprocess
 import sys
@@ -46,6 +47,22 @@ def test_the_import_of_a_trusted_agent_moves_and_silences_nothing(tmp_path, chan
     assert "dé (hunter_0)" in done.stdout
     assert done.stdout.endswith("seed: 1\nreplay: m.replay\n")
     assert Replay.load(tmp_path / "m.replay").names == ("dé", "idle")
+
+
+def test_without_semaphores_several_processes_are_refused_and_one_plays(catch_arena, monkeypatch):
+    """A sandbox or a container may have a /dev/shm that cannot be written."""
+
+    def refuse(*_):
+        raise OSError(errno.EROFS, os.strerror(errno.EROFS))
+
+    monkeypatch.setattr("multiprocessing.synchronize._multiprocessing.SemLock", refuse)
+    Path("mine.py").write_text(MODULE)
+    words = ["tournament", "mine.py", "idle", *QUICK, "--rounds", "1", "--out", "t", "--resume"]
+    many = catch_arena(*words, "-j", "2")
+    assert many.exit_code == 2
+    assert "error: processes need a writable /dev/shm: Read-only file system; -j 1 needs none" in many.stderr
+    one = catch_arena(*words, "-j", "1")
+    assert one.exit_code == 0, one.output
 
 
 SPEC = """

@@ -29,16 +29,16 @@ class Cost:
 
 
 def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
-    """Return the cost of a match of this plan on this machine, or None if its first block fails on our side.
+    """Return the cost of a match of this plan on this machine, or None if it fails on our side.
 
     Matches of the first block are tried, and not kept.
     """
     block = next(plan.blocks())
     seconds, sizes = 0.0, []
     foreign = worker.quotas is None and not all(is_shipped(entrant.spec) for entrant in worker.entrants)
-    # a trusted agent may end the process that it plays in
-    with ProcessExecutor(worker, 1) if foreign else Executor(worker) as executor:
-        try:
+    try:
+        # a trusted agent may end the process that it plays in
+        with ProcessExecutor(worker, 1) if foreign else Executor(worker) as executor:
             executor.result(executor.submit(block[:1], {}))  # the first one loads and compiles
             for match in block:
                 begin = time.perf_counter()
@@ -47,8 +47,8 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
                 sizes.append(len(replay))
                 if seconds > _SAMPLE_S:
                     break
-        except MatchFailedError:
-            return None
+    except MatchFailedError:
+        return None
     tried, stored = len(sizes), 400 + 90 * len(Parties.of(worker.config))
     return Cost(seconds / tried, stored, sum(sizes) // tried)
 

@@ -137,9 +137,8 @@ class Executor(AbstractContextManager["Executor"]):
 class ProcessExecutor(Executor):
     """Executor with several processes on this machine.
 
-    Args:
-        worker: plays the matches in each process.
-        jobs: number of processes.
+    Raises:
+        MatchFailedError: if the system cannot have several processes.
     """
 
     def __init__(self, worker: Worker, jobs: int) -> None:
@@ -180,7 +179,11 @@ class ProcessExecutor(Executor):
         self._pool.shutdown(cancel_futures=True)
 
     def _new_pool(self) -> ProcessPoolExecutor:
-        return ProcessPoolExecutor(self._jobs, multiprocessing.get_context("spawn"), _begin_process)
+        try:
+            return ProcessPoolExecutor(self._jobs, multiprocessing.get_context("spawn"), _begin_process)
+        except OSError as error:  # the processes share semaphores
+            hint = "; -j 1 needs none" if self._jobs > 1 else ""
+            raise MatchFailedError(f"processes need a writable /dev/shm: {error.strerror}{hint}") from None
 
 
 def local_executor(worker: Worker, jobs: int) -> Executor:
