@@ -36,18 +36,9 @@ def check_fitness(
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
 ) -> Iterator[Finding]:
-    """Yield the findings about an agent that plays against itself.
+    """Yield the findings about an agent that plays against itself; `progress` gets (done, total) before each match.
 
     In the first arena without a forfeit it plays twice, to check that equal seeds give equal matches.
-
-    Args:
-        entrant: the agent.
-        arenas: settings of the arenas, by name.
-        sandbox: runs agents that are not trusted; None if all are trusted.
-        progress: called with (done, total) before each match.
-
-    Raises:
-        MatchFailedError: if a match could not be held.
     """
 
     def play(config: ArenaConfig) -> MatchResult:

@@ -51,8 +51,7 @@ class AgentSpec(NamedTuple):
     def digest(self, sources: Sequence[str]) -> str:
         """Return the digest of the agent's files, in 16 hexadecimal digits; of its spec if no file can be read.
 
-        Args:
-            sources: the files of the agent, by its own account; they are ignored for a command and a folder.
+        `sources` are its files by its own account; they are ignored for a command and a folder.
         """
         found = [] if self.content is None else [self.content]
         if not self.spec.startswith(COMMAND) and folder_of(self.spec) is None:
@@ -101,11 +100,7 @@ def command_of(spec: str) -> list[str] | None:
 
 
 def resolve(word: str) -> AgentSpec:
-    """Return the agent that a word on the command line names.
-
-    Raises:
-        AgentError: if it names no agent.
-    """
+    """Return the agent that a word on the command line names, or raise AgentError."""
     if not word:
         raise AgentError("an agent must be a name, a file, a folder or a command, got ''")
     if word.startswith(COMMAND):
@@ -226,11 +221,7 @@ def _absolute(word: str) -> Path:
 
 
 def _require_program(word: str, path: Path) -> None:
-    """Check that a file can be started as a program.
-
-    Raises:
-        AgentError: if it is not executable, or its interpreter is missing.
-    """
+    """Raise AgentError unless a file is executable, and its interpreter is installed."""
     if not os.access(path, os.X_OK):
         raise AgentError(f"{word}: must be executable: chmod +x {word}")
     first = (content_of(str(path)) or b"").partition(b"\n")[0]

@@ -119,22 +119,12 @@ def compare(
 ) -> Comparison:
     """Play until `test` has decided, or for `max_blocks` blocks.
 
-    The blocks are given to the test in the order of the plan, so the result does not depend on `jobs`. MAX_FORFEITS
-    forfeits in a row exclude an entrant.
-
-    Args:
-        config: the arena's settings.
-        entrants: the two to compare, then their field.
-        test: the sequential test.
-        max_blocks: largest number of blocks.
-        seed: source of all draws; an integer in [0, 2^64) can be guessed, None draws a new secret.
-        jobs: number of processes that play.
-        quotas: quotas of isolated agents; None if all are trusted.
-        progress: called with (matches played, largest possible number of matches) after each block.
+    The entrants are the two to compare, then their field; without `quotas` all are trusted. The blocks are given to the
+    test in the order of the plan, so the result does not depend on `jobs`. MAX_FORFEITS forfeits in a row exclude an
+    entrant. `progress` is called with (matches played, largest possible number of matches) after each block.
 
     Raises:
         ConfigError: for max_blocks below 1, or a field that does not fit the scenario's seats.
-        MatchFailedError: if a match could not be held.
     """
     if max_blocks < 1:
         raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")

@@ -87,15 +87,12 @@ def inspect_agent(agent: AgentSpec) -> Entrant:
 
 
 def enter(specs: Sequence[str], inspect: Callable[[AgentSpec], Entrant] = inspect_agent) -> tuple[Entrant, ...]:
-    """Return the entrants that these specs name, in their order.
+    """Return the entrants that these words on the command line name, in their order.
 
-    Args:
-        specs: shipped names, `package.module:Class`, paths of .py files with a class `Agent` or of folders with
-            such an agent.py, or `cmd:` and a command.
-        inspect: inspects an agent, in this process or in its own (`players.inspector`).
+    `inspect` inspects an agent, in this process or in its own (`players.inspector`).
 
     Raises:
-        AgentError: in one line that names the spec and its fault.
+        AgentError: in one line that names the word and its fault.
     """
     entrants = []
     inspect = cache(inspect)

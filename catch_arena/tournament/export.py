@@ -60,17 +60,10 @@ _ROWS: Final = 20_000
 
 
 def export(store: Store, path: Path, *, timing: bool = True) -> None:
-    """Write all played matches to a file.
-
-    Args:
-        store: holds the results.
-        path: the file to write; its name ends in .jsonl, .csv or .parquet.
-        timing: True to include times, which another run does not repeat.
+    """Write all played matches to a .jsonl, .csv or .parquet file; `timing` adds times, which no other run repeats.
 
     Raises:
         ConfigError: for another ending, or one whose format needs a package that is not installed.
-        OutputError: if the file cannot be written.
-        StoreError: if the results cannot be read.
     """
     writers = {".jsonl": _write_jsonl, ".csv": _write_csv, ".parquet": _write_parquet}
     require_choice("the ending of the file", path.suffix.lower(), list(writers))
@@ -165,9 +158,6 @@ def write_standings(
     """Write the standings files of a tournament that has ended; they contain its seed.
 
     Each file is written whole or not at all. Files of these names are replaced, others stay.
-
-    Raises:
-        OutputError: if a file cannot be written.
     """
     for side, table in tables.items():
         write_whole(folder / TABLES[side], table_text(table).encode())

@@ -75,11 +75,7 @@ class GradedMatch(NamedTuple):
 
 
 def enter_opponents(spec: GradingSpec, inspect: Callable[[AgentSpec], Entrant]) -> list[tuple[Entrant, ...]]:
-    """Return the opponents in each test of a spec.
-
-    Args:
-        spec: the grading spec.
-        inspect: inspects an agent, as for `enter`.
+    """Return the opponents in each test of a spec, inspected as by `enter`.
 
     Raises:
         ConfigError: for an opponent that cannot play, or a test that only a node can play.
@@ -121,18 +117,8 @@ def grade_agent(
 ) -> tuple[TestGrade, list[GradedMatch]]:
     """Play the matches of a test, with the student's agent in each seat in turn, and return its grade and the matches.
 
-    After two timeouts, or MAX_FORFEITS forfeits in a row, the rest is not played.
-
-    Args:
-        spec: the grading spec.
-        test: a test of the spec.
-        student: the agent to grade.
-        opponents: agents for the other seats, from the first again if there are more seats.
-        sandbox: runs agents that are not trusted; None if all are trusted.
-        progress: called with (played, total) matches after each match.
-
-    Raises:
-        MatchFailedError: if a match could not be held.
+    After two timeouts, or MAX_FORFEITS forfeits in a row, the rest is not played. `progress` is called with
+    (played, total) matches after each match.
     """
     config, matches = test.config, spec.matches(test)
     parties = Parties.of(config)
@@ -254,14 +240,7 @@ def _empty_lists(view: View | PreyView) -> list[str]:
 
 
 def json_text(spec: GradingSpec, name: str, digest: str | None, grades: Sequence[TestGrade]) -> str:
-    """Return the grades as JSON, without seeds.
-
-    Args:
-        spec: the grading spec.
-        name: name of the agent or node.
-        digest: digest of the agent's files; None for a node.
-        grades: grades of the spec's tests.
-    """
+    """Return the grades of an agent, or of a node, which has no digest, as JSON without seeds."""
     content = {
         "title": spec.title,
         "agent": name,

@@ -103,11 +103,7 @@ class GradingSpec:
 
 
 def read_spec(path: Path) -> GradingSpec:
-    """Return the spec in a file.
-
-    Raises:
-        ConfigError: in one line that names the field, the requirement and the value.
-    """
+    """Return the spec in a file, or raise ConfigError in one line with the field, the requirement and the value."""
     try:
         table = tomllib.loads(read_text(path))
     except OSError as error:
@@ -163,11 +159,7 @@ def _from(folder: Path, word: str) -> str:
 
 
 def _secret(file: _File, folder: Path) -> Secret:
-    """Return the spec's secret, or a new one if it has none.
-
-    Raises:
-        ConfigError: for two seeds, or for a seed that is invalid or cannot be read.
-    """
+    """Return the spec's secret, or a new one if it has none; raise ConfigError for two seeds, or an invalid one."""
     if file.seed is not None and file.seed_file is not None:
         raise ConfigError("seed and seed_file must not both be given")
     if file.seed_file is None:

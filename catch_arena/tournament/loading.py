@@ -44,11 +44,7 @@ def shipped(*, ladder: bool = False) -> dict[str, str]:
 
 
 def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
-    """Return a new instance of an agent that can play on that side.
-
-    Raises:
-        AgentError: if it cannot; the text gives the reason.
-    """
+    """Return a new instance of an agent that can play on that side, or raise AgentError with the reason."""
     found, folder = agent_class(spec, side), folder_of(spec)
     own = None if folder is None else _OWN.get(folder)
     try:
@@ -74,9 +70,6 @@ def sources_and_prey(spec: str) -> tuple[tuple[str, ...], bool]:
     """Return the files of an agent in Python, and whether it plays prey itself; no instance is made.
 
     Its files are the file of its module, and the files that define its classes.
-
-    Raises:
-        AgentError: if its module cannot be used, or has no such class.
     """
     module = agent_module(spec)
     homes = [getattr(one, "__module__", None) for one in (agent_class(spec), getattr(module, _PREY, None))]
@@ -101,11 +94,7 @@ def agent_module(spec: str) -> ModuleType:
 
 
 def agent_class(spec: str, side: Side = "hunter") -> type:
-    """Return the class of a spec, or the class `Prey` next to it.
-
-    Raises:
-        AgentError: for a module that cannot be imported, or has no such class.
-    """
+    """Return the class of a spec, or the class `Prey` next to it; raise AgentError if it cannot be imported."""
     module = agent_module(spec)
     name = _PREY if side == "prey" else "Agent" if file_of(spec) is not None else spec.partition(":")[2]
     found = getattr(module, name, None)
@@ -122,11 +111,7 @@ def module_folders() -> list[str]:
 
 
 def load_module(name: str) -> ModuleType:
-    """Return the installed module with a dotted name.
-
-    Raises:
-        AgentError: if importing it raises.
-    """
+    """Return the installed module with a dotted name, or raise AgentError if its import raises anything."""
     try:
         with _process_restored():
             return importlib.import_module(name)
@@ -135,14 +120,9 @@ def load_module(name: str) -> ModuleType:
 
 
 def load_file(path: Path, folder: Path | None = None) -> ModuleType:
-    """Return the module in a .py file.
+    """Return the module in a .py file, or raise AgentError if its import raises anything.
 
-    Args:
-        path: the file.
-        folder: folder from which it can import further modules; None for no folder.
-
-    Raises:
-        AgentError: if importing it raises.
+    It can import further modules from `folder`, if there is one.
     """
     name = f"{_FILE_MODULE}{hashlib.blake2b(str(path).encode(), digest_size=8).hexdigest()}"
     spec = importlib.util.spec_from_file_location(name, path)

@@ -29,12 +29,8 @@ class Match:
     """Seed of the player, by party."""
 
     def title(self, block_size: int) -> str:
-        """Return the text that names the match for people, such as "round 1, match 5".
-
-        Args:
-            block_size: number of matches in a block (`Parties.block_size`), since ids count the blocks of a round.
-        """
-        turn, group, place = (int(part[1:]) for part in self.id.split("-")[:3])  # such as r00001-g000002-s03
+        """Return the text that names the match for people, such as "round 1, match 5"."""
+        turn, group, place = (int(part[1:]) for part in self.id.split("-")[:3])  # r00001-g000002-s03: g counts blocks
         return f"round {turn}, match {(group - 1) * block_size + place + 1}"
 
 
@@ -170,12 +166,8 @@ class PlayedMatch:
 def ranks_of_sides(scores: Sequence[int], lasted: Sequence[int | None], hunting: int) -> tuple[int, ...]:
     """Return the ranks by party, separately for each side: of `hunting` teams by R11.1, then of prey.
 
-    R12.5: The prey that was caught least comes first; withdrawn prey comes after all other.
-
-    Args:
-        scores: catches of each team, then the number of times that each prey was caught.
-        lasted: the step of each forfeit, as in `ranks_of`.
-        hunting: number of hunting parties.
+    R12.5: The prey that was caught least comes first; withdrawn prey comes after all other. `scores` are the catches of
+    each team, then the number of times that each prey was caught; `lasted` are the steps of forfeits, as in `ranks_of`.
     """
     prey = [(end is not None, caught) for caught, end in zip(scores[hunting:], lasted[hunting:], strict=True)]
     ranks = ranks_of(scores[:hunting], lasted[:hunting])
@@ -185,9 +177,7 @@ def ranks_of_sides(scores: Sequence[int], lasted: Sequence[int | None], hunting:
 def ranks_of(scores: Sequence[int], lasted: Sequence[int | None] | None = None) -> tuple[int, ...]:
     """R6.1, R11.1: Return the ranks: 1 + the number of hunters or teams that did better.
 
-    Args:
-        scores: catches of each hunter or team.
-        lasted: the step at which each forfeited; None for no forfeit, which is better than any forfeit.
+    `lasted` is the step at which each forfeited; None for no forfeit, which is better than any forfeit.
     """
     merits = [
         (math.inf, score) if end is None else (end, 0)

@@ -43,19 +43,12 @@ def play_entrants(
     agent_seeds: Sequence[int] = (),
     **options: Any,
 ) -> MatchResult:
-    """Play one match of these entrants, and return its result.
+    """Play one match of these entrants, by party (parties.py), and return its result.
 
-    Args:
-        config: the arena's settings.
-        seed: an integer in [0, 2^64).
-        entrants: the entrants by party (parties.py).
-        sandbox: runs agents that are not trusted; None if all are trusted.
-        absent: reasons for which parties are not started, by party.
-        agent_seeds: seed of each party; if empty, these seeds follow from `seed`.
-        options: further arguments of `play_match`.
+    `absent` has the reasons for which parties are not started. Without a sandbox all agents are trusted. If there are
+    no agent seeds, one for each party, they follow from `seed`. Further options are those of `play_match`.
 
     Raises:
-        OutputError: for a replay that cannot be written.
         MatchFailedError: for a match that failed on our side.
     """
     parties = Parties.of(config)
@@ -89,7 +82,7 @@ def play_match(
 
     Args:
         config: the arena's settings; the players' controls replace its `control`.
-        seed: seed of the arena, an integer in [0, 2^64).
+        seed: seed of the arena.
         players: new for this match, by seat; policies are trusted, and play in this process.
         names: the agents' names by seat.
         agent_seeds: seed of each agent, by seat; if empty, these seeds follow from `seed`.
@@ -102,7 +95,6 @@ def play_match(
 
     Raises:
         OutputError: for a replay that cannot be written.
-        MatchFailedError: if isolated players could not be held.
     """
     if isinstance(players, Sequence):
         players = Players(players)
@@ -202,11 +194,7 @@ class _RunningMatch:
                 self._players.drop(mate)
 
     def play_step(self, observations: dict[str, Any], infos: _Infos) -> tuple[dict[str, Any], _Infos]:
-        """Ask all remaining players for their actions, and step the env.
-
-        Returns:
-            The observations and infos after the step.
-        """
+        """Ask all remaining players for their actions, step the env, and return its observations and infos."""
         self.step += 1
         shown = {seat: _observation(observations[agent], infos[agent]) for seat, agent in self._playing.items()}
         self.forfeit(self._ask(shown), shown)
@@ -244,11 +232,7 @@ class _RunningMatch:
         )
 
     def _ask(self, shown: Mapping[int, Observation]) -> dict[int, Fault]:
-        """Ask the seats in `shown` for their actions, and keep the legal ones.
-
-        Returns:
-            The faults of seats without a legal action, by seat.
-        """
+        """Ask the seats in `shown` for their actions, keep the legal ones, and return the faults of other seats."""
         faults: dict[int, Fault] = {}
         for seat, (action, seconds, fault) in self._players.act(shown).items():
             party = self._by_seat[seat]

@@ -62,10 +62,8 @@ class Parties:
         """Yield the matches of a block, as players by party: every rotation, so that each player plays each party.
 
         With prey, if a side has one party, the next player in the circle plays it too, against the same players on the
-        other side. Otherwise a match would have no other player on that side to compare with.
-
-        Args:
-            circle: `group` players.
+        other side. Otherwise a match would have no other player on that side to compare with. The circle has `group`
+        players.
         """
         if self._one_against_one:
             yield from permutations(circle, 2)

@@ -40,7 +40,6 @@ class Players(AbstractContextManager["Players"]):
 
     Args:
         seated: by seat, an instance for this match, or an entrant; the control of prey is ignored.
-        sandbox: runs agents that are not trusted; None if all are trusted.
         absent: faults of the seats that are not started, by seat.
         while_waiting: called repeatedly while isolated agents think, to draw a window; no agent pays for the time that
             it takes. If it raises, the agents that have not answered are dropped.
@@ -88,10 +87,9 @@ class Players(AbstractContextManager["Players"]):
             self._sandbox.clear() if error is None else self._sandbox.close()
 
     def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
-        """Begin a match, with a seed for each seat; all time and faults before the first view count as init.
+        """Begin a match, with a seed for each seat, and return the faults of seats that cannot play, by seat.
 
-        Returns:
-            The faults of seats that cannot play, by seat.
+        All time and faults before the first view count as init.
 
         Raises:
             MatchFailedError: here and in `act`, if the match failed on our side.
@@ -182,11 +180,7 @@ class Players(AbstractContextManager["Players"]):
         return moves
 
     def _exchange(self, lines: Mapping[int, bytes], allowed_s: Mapping[int, float], doing: str) -> dict[int, _Reply]:
-        """Send each seat its line, and return the answer of each: a JSON object or a fault.
-
-        Raises:
-            MatchFailedError: if this process stood still, or an agent's process ended before any code of the agent ran.
-        """
+        """Send each seat its line, and return the answer of each: a JSON object or a fault."""
         if not lines:  # Windows has no poll
             return {}
         replies: dict[int, _Reply] = {}
@@ -255,8 +249,7 @@ class Players(AbstractContextManager["Players"]):
     def _end_of_process(self, seat: int) -> str:
         """End an agent that closed its answers, and return in words how its process ended.
 
-        Raises:
-            MatchFailedError: if the process ended before it ran any code of the agent.
+        It is no fault of the agent if the process ended before it ran any code of it: then MatchFailedError is raised.
         """
         process = self._processes[seat]
         code = process.exit_code()

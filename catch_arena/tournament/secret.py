@@ -29,11 +29,7 @@ class Secret:
 
     @classmethod
     def of(cls, seed: "Secret | int | None") -> "Secret":
-        """Return a secret as it is, the secret of a number, or for None a new one from the operating system.
-
-        Raises:
-            ConfigError: for a number that is not in [0, 2^64).
-        """
+        """Return a secret as it is, the secret of a number, or for None a new one from the operating system."""
         if isinstance(seed, Secret):
             return seed
         if seed is None:
@@ -43,11 +39,7 @@ class Secret:
 
     @classmethod
     def parse(cls, text: str) -> "Secret":
-        """Return the secret in a text: exactly 32 hexadecimal digits are its bits, any other text is a number.
-
-        Raises:
-            ConfigError: for a text that is neither.
-        """
+        """Return the secret in a text: exactly 32 hexadecimal digits are its bits, any other text is a number."""
         if len(text) == 2 * _BYTES and set(text) <= set(hexdigits):
             return cls(bytes.fromhex(text))
         if text.isascii() and text.isdecimal() and len(text) <= len(str(SEED_LIMIT)) and int(text) < SEED_LIMIT:
@@ -69,9 +61,7 @@ class Secret:
     def seed(self, purpose: Purpose, *numbers: int) -> int:
         """Return a seed in [0, 2^63), which fits the integers of SQLite and Parquet.
 
-        Args:
-            purpose: what the seed is for.
-            numbers: indices of the draw, as in the table in docs/reference/seeds.md; each in [0, 2^64).
+        `numbers` are the indices of the draw, as in the table in docs/reference/seeds.md; each in [0, 2^64).
         """
         return int.from_bytes(_hash(self.key, _SEED_BYTES, purpose, numbers), "little") >> 1
 

@@ -77,13 +77,7 @@ class Tournament:
 
 
 def terms_of(quotas: Quotas | None, max_forfeits: int, *, recorded: bool) -> dict[str, int | float]:
-    """Return the `terms` of a tournament.
-
-    Args:
-        quotas: quotas of isolated agents; None if all are trusted.
-        max_forfeits: number of forfeits in a row that exclude an entrant; 0 for no limit.
-        recorded: True if replays are kept.
-    """
+    """Return the `terms` of a tournament: `quotas` is None if all agents are trusted, `max_forfeits` 0 for no limit."""
     numbers = {} if quotas is None else quotas.numbers()
     return {"recorded": recorded, "trusted": quotas is None, "max_forfeits": max_forfeits} | numbers
 
@@ -92,7 +86,7 @@ class Store:
     """Store of one tournament's matches; `begin` and `read` open it for the time of a `with` statement.
 
     Raises:
-        StoreError: if SQLite reports an error; this holds for all methods.
+        StoreError: if SQLite reports an error, or the file is missing or damaged; this holds for all methods.
     """
 
     def __init__(self, path: Path, *, writable: bool) -> None:
@@ -127,11 +121,7 @@ class Store:
     @classmethod
     @contextmanager
     def read(cls, folder: Path) -> Iterator["Store"]:
-        """Open the store of a tournament that has begun, for reading.
-
-        Raises:
-            StoreError: if there is none; here and in later calls also if the file is damaged.
-        """
+        """Open the store of a tournament that has begun, for reading."""
         path = folder / STORE
         if not path.is_file():
             raise StoreError(f"{folder}: holds no tournament (a file {STORE})")
@@ -143,11 +133,7 @@ class Store:
 
     @classmethod
     def tournament_in(cls, folder: Path) -> Tournament | None:
-        """Return the tournament in a folder; None if none has begun.
-
-        Raises:
-            StoreError: if the store cannot be read.
-        """
+        """Return the tournament in a folder; None if none has begun."""
         path = folder / STORE
         if not path.is_file():
             return None
@@ -259,11 +245,7 @@ class Store:
             (self._versions,) = db.execute("SELECT id FROM versions WHERE value = ?", (text,)).fetchone()
 
     def _has_tables(self) -> bool:
-        """Return whether the file has tables of this format; False if it is empty.
-
-        Raises:
-            StoreError: if the file is no store, is damaged, or has another format.
-        """
+        """Return whether the file has tables; False if it is empty. Another format than this one is a StoreError."""
         query = "SELECT * FROM pragma_application_id, pragma_user_version, (SELECT count(*) FROM sqlite_schema)"
         ((application_id, form, tables),) = self._rows(query)
         if not tables:
@@ -320,10 +302,9 @@ class Store:
 
 @contextmanager
 def only_one_plays_in(folder: Path) -> Iterator[None]:
-    """Hold a lock on a folder, which the kernel releases when this process ends. Windows has no such lock.
+    """Hold a lock on a folder, or raise StoreError if another command holds it. Windows has no such lock.
 
-    Raises:
-        StoreError: if another command holds it.
+    The kernel releases it when this process ends.
     """
     with ExitStack() as stack:
         with suppress(ImportError, OSError):  # no such locks, or a folder that cannot be read: writing to it raises

@@ -35,13 +35,8 @@ def do_in_order(
 
     A task may begin before earlier ones have ended; only a few are begun ahead of the workers, to bound the memory. One
     that fails on our side is done again, at most three times in all. The last time nothing else is running, so that it
-    costs no other one; if it fails again, its result is the error.
-
-    Args:
-        tasks: different tasks, such as blocks to play and submissions to grade.
-        executor: does the tasks.
-        begin: begins a task in the executor.
-        is_outdated: returns whether a task that was begun must begin again; asked after each result.
+    costs no other one; if it fails again, its result is the error. No two tasks are equal. After each result,
+    `is_outdated` is asked whether a task that was begun must begin again.
     """
     waiting = iter(tasks)
     begun: dict[_Task, Future[_Result]] = {}  # in the order of the tasks
@@ -83,13 +78,10 @@ def do_in_order(
 
 
 class ForfeitStreaks:
-    """Number of matches that each entrant has forfeited in a row: too many of them exclude it from further matches.
+    """Number of matches that each entrant has forfeited in a row: `most` of them exclude it; 0 is no limit.
 
     Forfeits are counted in the order of the plan, whatever order the matches were played in. They are checked at the
     end of a block, so that all matches of a block have the same field.
-
-    Args:
-        most: number of forfeits in a row that exclude an entrant; 0 for no limit.
     """
 
     def __init__(self, most: int) -> None:
@@ -116,14 +108,9 @@ class ForfeitStreaks:
 
 
 def play_blocks(blocks: Iterable[Block], executor: Executor, streaks: ForfeitStreaks) -> Iterator[list[RecordedMatch]]:
-    """Play these blocks, and yield the matches of each in the order of the plan.
+    """Play blocks in parallel, and yield the matches of each in the order of the blocks, which is that of the plan.
 
-    If an earlier block excludes one of its entrants, a block is played again.
-
-    Args:
-        blocks: in the order of the plan.
-        executor: plays them.
-        streaks: decides which entrants are excluded; it is updated.
+    A block is played again if the forfeits in an earlier one exclude one of its entrants.
 
     Raises:
         MatchFailedError: for a block that failed on our side three times.

@@ -52,15 +52,7 @@ class Worker:
         return None if self.quotas is None else _sandbox(self.quotas)
 
     def play_block(self, matches: Iterable[Match], excluded: Mapping[int, Fault]) -> list[RecordedMatch]:
-        """Play one match after the other.
-
-        Args:
-            matches: the matches to play.
-            excluded: reasons for which entrants are not started, by index.
-
-        Raises:
-            MatchFailedError: for a match that failed on our side.
-        """
+        """Play one match after the other; `excluded` has the reasons for which entrants are not started, by index."""
         return [self._recorded(match, excluded) for match in matches]
 
     def close(self) -> None:
@@ -135,11 +127,7 @@ class Executor(AbstractContextManager["Executor"]):
 
 
 class ProcessExecutor(Executor):
-    """Executor with several processes on this machine.
-
-    Raises:
-        MatchFailedError: if the system cannot have several processes.
-    """
+    """Executor with several processes on this machine."""
 
     def __init__(self, worker: Worker, jobs: int) -> None:
         super().__init__(worker)
@@ -159,11 +147,7 @@ class ProcessExecutor(Executor):
                 return self._pool.submit(work, *arguments)
 
     def result(self, future: Future[_Result]) -> _Result:
-        """Return the result of submitted work.
-
-        Raises:
-            MatchFailedError: if the work failed on our side, or a worker process died.
-        """
+        """Return the result of submitted work; raise MatchFailedError if it failed on our side, or its process died."""
         try:
             return future.result()
         except BrokenProcessPool:

@@ -20,12 +20,9 @@ _Result = TypeVar("_Result")
 
 
 class RayExecutor(Executor):
-    """Executor with Ray's workers, one core each.
+    """Executor with Ray's workers, one core each: `jobs` workers on this machine, or all cores of a cluster.
 
-    Args:
-        jobs: number of workers that are started on this machine.
-        address: address of a running cluster, all of whose cores play instead: as `ray start --head` prints it, or
-            "auto" on one of its machines.
+    The address of a running cluster is as `ray start --head` prints it, or "auto" on one of its machines.
 
     Raises:
         ConfigError: if Ray is missing or does not answer.
@@ -94,12 +91,7 @@ def _run_there(
 
 @cache
 def require_same(worker: Worker, expected: tuple[tuple[str, str], ...]) -> None:
-    """Check that agents and versions are those of the machine that began; each Ray process checks it once.
-
-    Raises:
-        AgentError: if an agent's file is missing or different on this machine, or cannot begin on it.
-        ConfigError: if a package has another version on this machine.
-    """
+    """Raise an error unless agents and versions are those of the machine that began; each Ray process checks once."""
     here = versions()
     for name, wanted in expected:
         if here[name] != wanted:

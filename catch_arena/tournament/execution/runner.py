@@ -56,8 +56,6 @@ class Setup:
 
         Raises:
             ConfigError: if the folder lies in that of an agent.
-            OutputError: if the folder cannot be written.
-            StoreError, OtherTournamentError: see `Store.begin`.
         """
         for entrant in self.worker.entrants:
             own = folder_of(entrant.spec)
@@ -90,14 +88,8 @@ def play_plan(
 
     A block is written when it and all earlier blocks have ended; agents' logs, and replays if the executor's worker
     makes them, are written to the store's folder. So the store has the first blocks of the plan, and the same call
-    continues after them if it was interrupted; no process is left.
-
-    Args:
-        store: keeps the results.
-        plan: the matches to play.
-        executor: plays the matches.
-        max_forfeits: number of forfeits in a row that exclude an entrant; 0 for no limit.
-        progress: called with (matches played, matches of the plan) at the beginning and after each block.
+    continues after them if it was interrupted; no process is left. `progress` is called with (matches played, matches
+    of the plan) at the beginning and after each block.
 
     Raises:
         MatchFailedError: for a block that failed on our side three times.
@@ -148,11 +140,7 @@ def play_and_store(
 
 
 def add_to_logs(folder: Path, entrants: Sequence[Entrant], parties: Parties, one: PlayedMatch) -> None:
-    """Add the output and the fault of each party of a match to its log; the folder is made when it is needed.
-
-    Raises:
-        OutputError: if a log cannot be written.
-    """
+    """Add the output and the fault of each party of a match to its log; the folder is made when it is needed."""
     for party, index in enumerate(one.match.seating):
         forfeit, printed = one.result.forfeits[party], one.result.logs[party]
         if forfeit is None and not printed:

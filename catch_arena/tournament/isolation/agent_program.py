@@ -51,11 +51,7 @@ _PAUSE_S: Final = 0.01
 
 
 def main(words: str) -> None:
-    """Run the program.
-
-    Args:
-        words: JSON of the arguments of `serve`.
-    """
+    """Run the program; `words` is JSON of the arguments of `serve`."""
     arguments = json.loads(words)
     code = 1
     try:
@@ -68,15 +64,9 @@ def main(words: str) -> None:
 
 
 def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int, *, namespaced: bool) -> None:
-    """Play matches until the tournament closes the lines.
+    """Play matches until the tournament closes the pipe `into`; answers go to the pipe `out`.
 
-    Args:
-        spec: spec of an entrant.
-        quotas: quotas of the agent, by name.
-        folder: folder in which the agent's working folder is made for each match.
-        into: descriptor of the pipe with the lines.
-        out: descriptor of the pipe for the answers.
-        namespaced: True if the process is in its own namespaces.
+    The agent's working folder is made in `folder` for each match.
     """
     tournament = os.getppid()
     if not namespaced:

@@ -45,10 +45,7 @@ _INSTALLED: Final = {"site-packages", "dist-packages"}
 
 
 def available_level(required: Level | None = None) -> Level:
-    """Return the level of isolation on this machine.
-
-    Args:
-        required: the level that is required; None for the best one that works.
+    """Return the required level of isolation, or for None the best one that works on this machine.
 
     Raises:
         ConfigError: if the required level does not work here.
@@ -74,9 +71,8 @@ def level_line(level: Level) -> str:
 def bubblewrap_command(visible: Iterable[Path], writable_bytes: int) -> list[str]:
     """Return the command line up to the program that bubblewrap starts.
 
-    Args:
-        visible: files and folders that the program can read, at the same paths as outside.
-        writable_bytes: size of each of the folders TEMPORARY and SHARED [bytes].
+    The program can read the files and folders in `visible`, at the same paths as outside, and write to the folders
+    TEMPORARY and SHARED, up to a size for each.
     """
     size = ["--size", str(writable_bytes), "--tmpfs"]
     words = [shutil.which(_PROGRAM) or _PROGRAM, *_OPTIONS, "--proc", "/proc", *_KERNEL_SETTINGS, "--dev", "/dev"]

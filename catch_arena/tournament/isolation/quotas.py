@@ -51,11 +51,7 @@ class Quotas:
 
     @classmethod
     def of(cls, **values: Any) -> "Quotas":
-        """Return the default limits with these changes.
-
-        Raises:
-            ConfigError: for an unknown name, or a value that the limit cannot have.
-        """
+        """Return the default limits with these changes; raise ConfigError for an unknown name or a wrong value."""
         names = [*_NUMBERS, "isolation"]
         for name in values:
             if name not in names:

@@ -85,10 +85,6 @@ class Log:
 class AgentProcess:
     """Process of one agent (agent_program.py), with its pipes; it plays one match after the other.
 
-    Args:
-        spec: spec of an entrant.
-        quotas: quotas of the agent, with its level of isolation.
-
     Raises:
         ConfigError: on Windows.
         MatchFailedError: if the process cannot be started.
@@ -232,9 +228,6 @@ class AgentProcess:
 class Sandbox(AbstractContextManager["Sandbox"]):
     """Sandbox: the isolated agents of one process, for one match at a time. Use it as a context manager, or `close` it.
 
-    Args:
-        quotas: quotas of each agent.
-
     Raises:
         ConfigError: for a level that this machine does not have.
     """
@@ -248,11 +241,7 @@ class Sandbox(AbstractContextManager["Sandbox"]):
         self.close()
 
     def start(self, spec: str) -> AgentProcess:
-        """Return a process for the agent of a spec in the next match: one that waits, or a new one.
-
-        Raises:
-            MatchFailedError: if the process cannot be started.
-        """
+        """Return a process for the agent of a spec in the next match: one that waits, or a new one."""
         process = next((one for one in self._waiting if one.spec == spec), None)
         if process is None:
             process = AgentProcess(spec, self.quotas)

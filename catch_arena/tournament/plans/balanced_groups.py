@@ -34,10 +34,7 @@ def sweeps_to_meet(players: int, seats: int) -> int:
 def sweeps(players: int, seats: int, draw: Callable[[int, int, int], int]) -> Iterator[list[tuple[int, ...]]]:
     """Yield the groups of one sweep after the other, without end; each group is in ascending order.
 
-    Args:
-        players: number of players.
-        seats: at most `players`.
-        draw: the lot of (sweep, circle, player).
+    There are at most as many seats as players. `draw` returns the lot of (sweep, circle, player).
     """
     met = np.zeros((players, players))
     slots = groups_in_sweep(players, seats) * seats

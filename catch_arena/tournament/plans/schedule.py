@@ -49,8 +49,7 @@ class Plan:
     def stages(self, played: Callable[[], Iterable[PlayedMatch]]) -> Iterator[Iterable[Block]]:
         """Yield the blocks of each stage, which do not depend on each other's results; this plan has one stage.
 
-        Args:
-            played: returns all matches of the stages so far, when those of a stage have been played.
+        `played` returns all matches of the stages so far, when those of a stage have been played.
         """
         del played
         yield self.blocks()
@@ -150,13 +149,8 @@ def block_of(players: Sequence[int], secret: Secret, number: int, name: str, par
 class UntilSeparated(Plan):
     """Plan that ends after the first stage, of whole rounds, whose standings have a clear order.
 
-    The number of matches is not one of its parameters: a resumed tournament may raise it.
-
-    Args:
-        plan: with the largest number of rounds.
-        entrants: the entrants.
-        parties: the parties of the arena; with prey the order of each side must be clear.
-        confidence: probability with which the order is right.
+    The number of matches is not one of its parameters: a resumed tournament may raise it. `plan` has the largest number
+    of rounds. The order is right with the probability `confidence`; with prey the order of each side must be clear.
 
     Raises:
         ConfigError: for a confidence outside [0.5, 1), or entrants that never meet.

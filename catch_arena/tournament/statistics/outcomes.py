@@ -37,13 +37,7 @@ class SideMatch(NamedTuple):
 
 
 def on_side(played: Sequence[PlayedMatch], parties: Parties, side: Side = "hunter") -> list[SideMatch]:
-    """Return the matches of one side in the order of the plan.
-
-    Args:
-        played: matches in whole blocks.
-        parties: the parties of the arena.
-        side: the side.
-    """
+    """Return the matches of one side, of whole blocks, in the order of the plan."""
     in_order = [(one.match, one.result) for one in sorted(played, key=lambda one: one.match)]
     cut = parties.on(side)
     matches = [
@@ -129,7 +123,7 @@ class SideResults:
     def of(
         cls, entrants: Sequence[Entrant], played: Sequence[PlayedMatch], parties: Parties, side: Side = "hunter"
     ) -> "Self":
-        """Return the results of a side; the arguments are those of `on_side`."""
+        """Return the results of a side in whole blocks."""
         outcomes = Outcomes.of(len(entrants), on_side(played, parties, side))
         return cls(side, [entrant.on(side) for entrant in entrants], played, parties.on(side), outcomes)
 
