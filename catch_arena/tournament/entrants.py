@@ -9,7 +9,7 @@ from typing import Final
 
 from catch_arena.config import Control
 from catch_arena.errors import AgentError
-from catch_arena.policy import Policy, PreyPolicy, Side, control_of
+from catch_arena.policy import Side, control_of
 from catch_arena.text import name_fault
 from catch_arena.tournament.agent_spec import AgentSpec, command_of, file_of, resolve, shipped_spec, unique_names
 from catch_arena.tournament.loading import create_policy, sources_and_prey
@@ -40,7 +40,6 @@ class Entrant:
     prey_digest: str = ""
     """Digest of the agent that plays prey for this entrant."""
     side: Side = "hunter"
-    """Side that it plays on in a match."""
     log: str = field(default="", compare=False)
     """Last lines of its output during its inspection, if it cannot play."""
 
@@ -65,14 +64,6 @@ class Entrant:
         if (words := command_of(self.spec)) is not None:
             return f"a command: {Path(words[0]).name}"
         return self.spec if file_of(self.spec) is None else Path(self.spec).name
-
-    def create(self) -> Policy | PreyPolicy:
-        """Return a new instance in this process, for one match.
-
-        Raises:
-            AgentError: if it cannot be loaded or made.
-        """
-        return create_policy(self.spec, self.side)
 
 
 def inspect_agent(agent: AgentSpec) -> Entrant:

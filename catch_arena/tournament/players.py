@@ -18,6 +18,7 @@ from catch_arena.tournament.entrants import Entrant, inspect_agent
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, excerpt, exit_reason
+from catch_arena.tournament.loading import create_policy
 from catch_arena.tournament.match import Fault, Move, Observation
 
 _POLL_S: Final = 0.1
@@ -72,7 +73,7 @@ class Players(AbstractContextManager["Players"]):
                 self._isolated[seat] = one
             else:
                 try:
-                    self._policies[seat] = one.create()
+                    self._policies[seat] = create_policy(one.spec, one.side)
                 except AgentError as error:
                     self._absent[seat] = Fault("FORFEIT_INIT", str(error))
         self._sandbox = sandbox

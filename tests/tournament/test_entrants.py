@@ -12,6 +12,7 @@ from catch_arena.errors import AgentError
 from catch_arena.tournament.entrants import Entrant, enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.loading import create_policy
 from catch_arena.tournament.players import inspector
 
 HOLDS = "class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n"
@@ -34,7 +35,7 @@ def test_an_agent_is_a_shipped_name_a_class_in_a_module_or_a_file(agent_file):
     assert (shipped.name, shipped.control) == ("patrol", "velocity")
     assert (classed.name, classed.control) == ("Agent", "target")
     assert (filed.name, filed.spec) == ("mine", path)
-    assert filed.create().act(None) == 0
+    assert create_policy(filed.spec).act(None) == 0
 
 
 def test_the_same_agent_twice_gets_two_names():
@@ -239,7 +240,7 @@ def test_an_agent_may_be_a_folder_whose_modules_are_its_own(agent_file, source):
     folders = [str(Path(agent_file(HOLDS)).parent / name) for name in ("ann", "bob")]
     entrants = enter(folders)
     assert [one.name for one in entrants] == ["ann", "bob"]
-    agents = [copy.deepcopy(one.create()) for one in entrants]
+    agents = [copy.deepcopy(create_policy(one.spec)) for one in entrants]
     for agent in agents:
         agent.reset(0)
     for _ in range(2):

@@ -14,6 +14,7 @@ from catch_arena import scenario
 from catch_arena.arbitration import arbitrate
 from catch_arena.envs.parallel import CatchArenaEnv
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.loading import create_policy
 from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
@@ -124,7 +125,13 @@ def test_agents_names_and_places_among_the_entrants_do_not_matter(name):
     kinds = [agent] * config.hunters + [agent.on("prey")] * config.prey
     indices = list(range(len(kinds)))
     digests = {
-        play_match(config, 6, [kind.create() for kind in kinds], list(map(str, turned)), agent_seeds=turned).digest
+        play_match(
+            config,
+            6,
+            [create_policy(kind.spec, kind.side) for kind in kinds],
+            list(map(str, turned)),
+            agent_seeds=turned,
+        ).digest
         for turned in (indices, indices[1:] + indices[:1], indices[::-1])
     }
     assert len(digests) == 1

@@ -7,6 +7,7 @@ from tournament.played_matches import made_up
 from catch_arena import Replay, interrupts, scenario
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.loading import create_policy
 from catch_arena.tournament.match import Forfeit, ranks_of
 from catch_arena.tournament.match_loop import play_match
 
@@ -35,7 +36,9 @@ def test_equal_scores_share_a_rank_and_who_forfeits_ranks_behind_by_how_long_it_
 
 def test_the_same_seed_plays_the_same_match_and_another_one_does_not():
     def digest(seed):
-        return play_match(SHORT, seed, [one.create() for one in enter(["nearest", "random"])], ["a", "b"]).digest
+        return play_match(
+            SHORT, seed, [create_policy(one.spec) for one in enter(["nearest", "random"])], ["a", "b"]
+        ).digest
 
     assert digest(1) == digest(1) != digest(2)
 
@@ -60,7 +63,7 @@ def test_a_control_that_is_an_array_is_refused_in_one_line():
 def test_scores_agree_with_the_verdicts_and_with_the_replay(tmp_path):
     names = ["nearest", "contested"]
     result = play_match(
-        SHORT, 3, [one.create() for one in enter(names)], names, title="a test", record=tmp_path / "m.replay"
+        SHORT, 3, [create_policy(one.spec) for one in enter(names)], names, title="a test", record=tmp_path / "m.replay"
     )
     assert result.scores == tuple(verdicts["GRANTED"] for verdicts in result.verdicts)
     replay = Replay.load(tmp_path / "m.replay")
@@ -88,7 +91,8 @@ def test_what_an_agent_does_to_its_view_changes_nothing():
 
     (nearest,) = enter(["nearest"])
     one, other = (
-        play_match(SHORT, 5, [policy, nearest.create()], ["a", "b"]).digest for policy in (Plays(vandal), Plays())
+        play_match(SHORT, 5, [policy, create_policy(nearest.spec)], ["a", "b"]).digest
+        for policy in (Plays(vandal), Plays())
     )
     assert one == other
 

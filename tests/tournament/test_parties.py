@@ -14,6 +14,7 @@ from catch_arena.policy import PreyView
 from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
+from catch_arena.tournament.loading import create_policy
 from catch_arena.tournament.match import ranks_of_sides
 from catch_arena.tournament.match_loop import play_entrants, play_match
 from catch_arena.tournament.parties import Parties
@@ -126,8 +127,10 @@ def test_r12_7_who_has_no_prey_of_its_own_plays_the_shipped_one(tmp_path):
     (tmp_path / "mine.py").write_text(BOTH)
     mine, nearest, flee = enter([str(tmp_path / "mine.py"), "nearest", "flee"])
     assert (mine.prey, nearest.prey, flee.prey) == (True, False, True)
-    assert type(nearest.on("prey").create()) is type(flee.on("prey").create())
-    assert type(mine.on("prey").create()).__module__ == type(mine.create()).__module__
+    assert nearest.on("prey").spec == flee.on("prey").spec
+    kinds = [type(create_policy(one.spec, one.side)) for one in (mine.on("prey"), mine)]
+    assert [kind.__name__ for kind in kinds] == ["Prey", "Agent"]
+    assert kinds[0].__module__ == kinds[1].__module__
     hunters = enter(["intercept", "patrol", "nearest"])
     ends = [
         play_entrants(TAG, 3, [*hunters, prey], None, record=tmp_path / f"{prey.name}.replay").digest
