@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
-from typing import Final, Literal
+from typing import Literal
 
 from catch_arena.config import ArenaConfig
 from catch_arena.policy import PreyView, player_limits
@@ -14,11 +14,6 @@ from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.parties import Parties
 from catch_arena.verdicts import Verdict
-
-_SEED: Final = 0
-"""Seed of all matches."""
-_LINES_SHOWN: Final = 6
-"""Number of lines shown of a log, from its end."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,7 +37,7 @@ def check_fitness(
     """
 
     def play(config: ArenaConfig) -> MatchResult:
-        return play_entrants(config, _SEED, [entrant] * len(Parties.of(config)), sandbox)
+        return play_entrants(config, 0, [entrant] * len(Parties.of(config)), sandbox)
 
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(entrant.log)}")
@@ -135,4 +130,4 @@ def _shown_to(forfeit: Forfeit, config: ArenaConfig) -> str:
 
 
 def _tail(log: str) -> str:
-    return "".join(f"\n| {line}" for line in last_lines(log, _LINES_SHOWN).splitlines())
+    return "".join(f"\n| {line}" for line in last_lines(log, 6).splitlines())

@@ -33,7 +33,6 @@ class ComparisonDesign:
     """
 
     parties: Parties
-    """Parties of the arena."""
     field: int
     """Number of agents of the field in a match."""
 

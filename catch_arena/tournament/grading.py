@@ -35,11 +35,9 @@ class TestGrade:
     """Result of one test, of an agent or of a node."""
 
     test: str
-    """Name of the test."""
     points: float
     """Points of the test if nothing failed, else 0."""
     possible: float
-    """Points of the test."""
     failures: tuple[str, ...]
     """Failures in words, each with the bound that was missed."""
     hints: tuple[str, ...]

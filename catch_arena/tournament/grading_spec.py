@@ -77,7 +77,6 @@ class GradingSpec:
     """Grading spec: the tests by which an agent is graded."""
 
     path: Path
-    """File that it was read from."""
     title: str
     tests: tuple[GradingTest, ...]
     secret: Secret

@@ -30,7 +30,6 @@ from catch_arena.tournament.agent_spec import (
 NOT_INSTALLED: Final = "which is not installed here"
 """Part of the error for a missing module that an agent imports."""
 _PREY: Final = "Prey"
-"""Name of the class of an agent that plays prey."""
 _ENCODING_ERRORS: Final = ("'utf-8' codec", "Non-UTF-8", "null bytes")
 """Parts of Python's errors about a source file in another encoding than UTF-8."""
 _FILE_MODULE: Final = "catch_arena_agent_"

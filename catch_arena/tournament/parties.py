@@ -20,7 +20,6 @@ class Parties:
     """Parties of an arena: first the hunting parties, then the prey."""
 
     seats: tuple[tuple[int, ...], ...]
-    """Seats of each party."""
     hunting: int
     """Number of hunting parties."""
 

@@ -60,7 +60,6 @@ class Tournament:
     config: ArenaConfig
     entrants: tuple[Entrant, ...]
     plan: Mapping[str, str | int | float]
-    """Parameters of the plan."""
     seed: str = field(repr=False)
     """Seed as `Secret.text`."""
     terms: Mapping[str, str | int | float | bool] = field(default_factory=dict)

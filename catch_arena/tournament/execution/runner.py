@@ -24,7 +24,6 @@ from catch_arena.tournament.store import Store, Tournament, terms_of
 
 REPLAYS: Final = "replays"
 LOGS: Final = "logs"
-"""Names of folders in the tournament's folder: REPLAYS and LOGS."""
 MOST_BYTES: Final = 4 << 20
 """Size of an agent's log file [bytes] from which on no match is added; the last one may exceed it."""
 _LONGEST: Final = 240
@@ -40,7 +39,6 @@ class Setup:
     worker: Worker
     """Player of the matches: it has the arena, the entrants and the quotas."""
     secret: Secret
-    """Secret that the plan is drawn from."""
     max_forfeits: int = MAX_FORFEITS
     """Number of forfeits in a row that exclude an entrant; 0 for no limit."""
 

@@ -20,7 +20,6 @@ class Separation:
     """Result of one look at a running tournament."""
 
     clear: bool
-    """True if the whole order is clear."""
     pair: tuple[str, str]
     """Names of the pair with the least significant difference, the higher entrant first."""
     p: float
