@@ -53,30 +53,29 @@ class Worker:
 
     def play_block(self, matches: Iterable[Match], excluded: Mapping[int, Fault]) -> list[RecordedMatch]:
         """Play one match after the other; `excluded` has the reasons for which entrants are not started, by index."""
-        return [self._recorded(match, excluded) for match in matches]
+        parties, played = Parties.of(self.config), []
+        for match in matches:
+            replay = BytesIO()
+            result = play_entrants(
+                self.config,
+                match.seed,
+                [self.entrants[index] for index in match.seating],
+                self.sandbox,
+                absent={party: excluded[index] for party, index in enumerate(match.seating) if index in excluded},
+                agent_seeds=match.agent_seeds,
+                title=match.title(parties.block_size),
+                record=replay if self.record else None,
+                colors=[match.seating[party] for party in parties.by_seat[: self.config.hunters]],
+            )
+            content = replay.getvalue()
+            digest = hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest() if self.record else None
+            played.append((PlayedMatch(match, result, digest), content))
+        return played
 
     def close(self) -> None:
         """End the agents that wait in this process for their next match."""
         if self.sandbox is not None:
             self.sandbox.close()
-
-    def _recorded(self, match: Match, excluded: Mapping[int, Fault]) -> RecordedMatch:
-        replay, parties = BytesIO() if self.record else None, Parties.of(self.config)
-        result = play_entrants(
-            self.config,
-            match.seed,
-            [self.entrants[index] for index in match.seating],
-            self.sandbox,
-            absent={party: excluded[index] for party, index in enumerate(match.seating) if index in excluded},
-            agent_seeds=match.agent_seeds,
-            title=match.title(parties.block_size),
-            record=replay,
-            colors=[match.seating[party] for party in parties.by_seat[: self.config.hunters]],
-        )
-        if replay is None:
-            return PlayedMatch(match, result), b""
-        content = replay.getvalue()
-        return PlayedMatch(match, result, hashlib.blake2b(content, digest_size=_DIGEST_BYTES).hexdigest()), content
 
 
 @cache
@@ -111,11 +110,7 @@ class Executor(AbstractContextManager["Executor"]):
         return future
 
     def result(self, future: Future[_Result]) -> _Result:
-        """Return the result of submitted work.
-
-        Raises:
-            MatchFailedError: if the work failed on our side.
-        """
+        """Return the result of submitted work; raise MatchFailedError if it failed on our side."""
         return future.result()
 
     def close(self) -> None:
