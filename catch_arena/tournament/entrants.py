@@ -67,11 +67,7 @@ class Entrant:
 
 
 def inspect_agent(agent: AgentSpec) -> Entrant:
-    """Return the entrant of an agent that is inspected in this process; its name is its spec.
-
-    Raises:
-        AgentError: if it cannot play.
-    """
+    """Return the entrant of an agent that is inspected in this process, or raise AgentError; its name is its spec."""
     control = control_of(create_policy(agent.spec))
     sources, prey = sources_and_prey(agent.spec)
     return Entrant(agent.spec, agent.spec, control, agent.digest(sources), prey=prey)

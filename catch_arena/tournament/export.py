@@ -8,10 +8,10 @@ for the same plan, whichever executor played it.
 import csv
 import io
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import IO, Any, Final
+from typing import IO, Any, Final, TextIO
 
 from msgspec.structs import asdict
 
@@ -131,11 +131,14 @@ def _write_jsonl(store: Store, file: IO[bytes], timing: bool) -> None:
 
 def _write_csv(store: Store, file: IO[bytes], timing: bool) -> None:
     text = io.TextIOWrapper(file, "utf-8", newline="")
-    writer = csv.DictWriter(text, fieldnames=list(columns(timing=timing)), lineterminator="\n")
-    writer.writeheader()
-    for row in rows(store, timing=timing):
-        writer.writerow(row | {"agent": spreadsheet_cell(row["agent"])})
+    _write_rows(text, columns(timing=timing), rows(store, timing=timing))
     text.detach()  # flushed, and left open
+
+
+def _write_rows(text: TextIO, names: Iterable[str], table: Iterable[dict[str, Any]]) -> None:
+    writer = csv.DictWriter(text, list(names), lineterminator="\n")
+    writer.writeheader()
+    writer.writerows(row | {"agent": spreadsheet_cell(row["agent"])} for row in table)
 
 
 def _write_parquet(store: Store, file: IO[bytes], timing: bool) -> None:
@@ -168,9 +171,7 @@ def table_text(table: Sequence[Standing]) -> str:
     """Return the standings as CSV; an unknown interval is empty."""
     text = io.StringIO()
     rows = [_flat(standing) for standing in table]
-    writer = csv.DictWriter(text, fieldnames=list(rows[0]), lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(row | {"agent": spreadsheet_cell(row["agent"])} for row in rows)
+    _write_rows(text, rows[0], rows)
     return text.getvalue()
 
 

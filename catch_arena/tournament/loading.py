@@ -79,12 +79,7 @@ def sources_and_prey(spec: str) -> tuple[tuple[str, ...], bool]:
 
 @cache
 def agent_module(spec: str) -> ModuleType:
-    """Return the module with the class of a spec; it is imported only once, also for processes that are forked later.
-
-    Raises:
-        ConfigError: for a command.
-        AgentError: for a module that cannot be imported.
-    """
+    """Return the module with the class of a spec; it is imported once, also for processes that are forked later."""
     if spec.startswith(COMMAND):
         raise ConfigError(f"{spec}: a command plays in a process of its own only: it must not be trusted")
     if (file := file_of(spec)) is not None:
