@@ -211,6 +211,8 @@ def compare(
     secret = Secret.of(None) if seed is None else Secret.parse(seed)
     if not elo1 > 0.0:
         raise ConfigError(f"--elo1 must be above 0, got {elo1:g}")
+    if max_blocks < 1:
+        raise ConfigError(f"--max-blocks must be at least 1, got {max_blocks}")
     test = Sprt(share_of_elo(0.0), share_of_elo(elo1))
     entrants = enter_agents([*agents, *(against or ())], quotas)
     _print_missing_prey(entrants, config)

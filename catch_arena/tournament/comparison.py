@@ -123,10 +123,8 @@ def compare(
     entrant. `progress` is called with (matches played, largest possible number of matches) after each block.
 
     Raises:
-        ConfigError: for max_blocks below 1, or a field that does not fit the scenario's seats.
+        ConfigError: for a field that does not fit the scenario's seats.
     """
-    if max_blocks < 1:
-        raise ConfigError(f"max_blocks must be at least 1, got {max_blocks}")
     design = ComparisonDesign(Parties.of(config), len(entrants) - _FIELD)
     plan = round_robin(design.parties.group, design.parties, max_blocks, Secret.of(seed).part("compare"))
     most = plan.size * (2 if design.in_turn else 1)

@@ -87,7 +87,7 @@ def test_forfeits_are_told_and_one_that_is_out_does_not_play_on(tmp_path):
         (["nearest"], "argument 'agents' takes 2 values"),
         (["nearest", "idle", "--elo1", "0"], "--elo1 must be above 0, got 0"),
         (["nearest", "idle", "--elo1", "1e9"], "got 0.5 and 1"),
-        (["nearest", "idle", "--max-blocks", "0"], "max_blocks must be at least 1, got 0"),
+        (["nearest", "idle", "--max-blocks", "0"], "error: --max-blocks must be at least 1, got 0"),
         (
             ["nearest", "idle", "-s", "standard", "--against", "first"],
             "(--against) must be of 0 or 2 or 3 agents, got 1",
