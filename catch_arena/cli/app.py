@@ -67,7 +67,7 @@ class Commands(TyperGroup):
                 print_error(text[:1].lower() + text[1:].rstrip("."), context and f"{context.command_path} --help")
         except OSError as error:
             with suppress(OSError):  # stderr may be full too
-                print_error(_describe(error))
+                print_error(describe(error))
         sys.exit(EXIT_ERROR)
 
 
@@ -78,7 +78,8 @@ def print_error(text: str, hint: str | None = None) -> None:
         echo(f"hint: {hint}", err=True)
 
 
-def _describe(error: OSError) -> str:
+def describe(error: OSError) -> str:
+    """Return an error of the operating system in words, without its number."""
     if error.filename is not None:
         return f"{error.filename}: {error.strerror}"
     if isinstance(error, FileNotFoundError):  # os.getcwd

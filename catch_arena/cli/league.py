@@ -9,7 +9,7 @@ from typing import Annotated, Final
 import typer
 
 from catch_arena import interrupts
-from catch_arena.cli.app import main, print_error
+from catch_arena.cli.app import describe, main, print_error
 from catch_arena.cli.options import Arena, Cores, Limit, Seed, print_level, quotas_of, require_isolation
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import CatchArenaError, ConfigError
@@ -78,7 +78,7 @@ def league(
             try:
                 run_once()
             except (CatchArenaError, OSError) as error:  # the next run tries again
-                print_error(str(error))
+                print_error(describe(error) if isinstance(error, OSError) else str(error))
 
     run_once()
     if pause_s is not None:

@@ -1,5 +1,6 @@
 """A league runs from a folder: versions are checked and placed, pages show each person, and nothing is lost."""
 
+import errno
 import re
 import shutil
 import signal
@@ -434,18 +435,19 @@ def test_only_the_replays_that_pages_need_stay(ran):
 
 
 def test_a_league_that_runs_again_and_again_outlives_an_error(folder, monkeypatch):
-    """The second run fails; the third one goes on."""
+    """The second and the third run fail; the fourth one goes on."""
     runs, pauses = [], []
+    errors = {2: StoreError("the disk is full"), 3: PermissionError(errno.EACCES, "Permission denied", "robots/ann")}
 
     def run_once(*_, **__):
         runs.append(1)
-        if len(runs) == 2:
-            raise StoreError("the disk is full")
+        if len(runs) in errors:
+            raise errors[len(runs)]
         return SimpleNamespace(new_matches=0)
 
     def sleep(seconds):
         pauses.append(seconds)
-        if len(pauses) == 3:
+        if len(pauses) == 4:
             raise KeyboardInterrupt
 
     monkeypatch.setattr(update, "update_league", run_once)
@@ -453,8 +455,8 @@ def test_a_league_that_runs_again_and_again_outlives_an_error(folder, monkeypatc
     monkeypatch.setattr(league_command.time, "sleep", sleep)
     done = league(folder, "--every", "15m")
     assert done.exit_code == 0
-    assert "error: the disk is full" in done.output
-    assert (len(runs), pauses) == (3, [900.0] * 3)
+    assert "error: the disk is full\nerror: robots/ann: Permission denied\n" in done.stderr
+    assert (len(runs), pauses) == (4, [900.0] * 4)
 
 
 def test_a_clock_that_is_set_back_keeps_the_order_of_runs(ran):
