@@ -9,6 +9,7 @@ import os
 import pkgutil
 import shlex
 import shutil
+from codecs import BOM_UTF8
 from collections import Counter
 from collections.abc import Iterable, Sequence
 from pathlib import Path
@@ -221,10 +222,14 @@ def _absolute(word: str) -> Path:
 
 
 def _require_program(word: str, path: Path) -> None:
-    """Raise AgentError unless a file is executable, and its interpreter is installed."""
+    """Raise AgentError unless a file is executable, and its first line names an installed interpreter, or none."""
     if not os.access(path, os.X_OK):
         raise AgentError(f"{word}: must be executable: chmod +x {word}")
     first = (content_of(str(path)) or b"").partition(b"\n")[0]
+    if first.startswith(BOM_UTF8 + b"#!"):
+        raise AgentError(
+            f"{word}: begins with a byte order mark, which hides its #!: sed -i '1s/^\\xef\\xbb\\xbf//' {word}"
+        )
     if not first.startswith(b"#!"):
         return
     if first.endswith(b"\r"):

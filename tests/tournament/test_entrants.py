@@ -138,6 +138,7 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
         ("linked", r"linked: its agent\.py is a link, and an isolated agent sees only its folder: copy it"),
         ("loop.py", "loop.py: is a link that leads to no file"),
         ("cmd:./dos.sh", "./dos.sh: its lines end as on Windows"),
+        ("cmd:./mark.sh", r"^\./mark\.sh: begins with a byte order mark, which hides its #!: sed -i "),
         (
             "cmd:./lacks.sh",
             "./lacks.sh: its first line names the interpreter '/no/such/sh', which is not installed here",
@@ -170,6 +171,7 @@ def test_a_word_that_stands_for_nothing_is_explained(tmp_path, monkeypatch, spec
         "latin.py": f"name = 'Zoë'\n{HOLDS}",
         "plain.sh": "#!/bin/sh\n",
         "dos.sh": "#!/bin/sh\r\necho\r\n",
+        "mark.sh": "ï»¿#!/bin/sh\n",
         "lacks.sh": "#!/no/such/sh\n",
         "lacks_env.sh": "#!/usr/bin/env no_such_program\n",
     }.items():
