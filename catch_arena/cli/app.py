@@ -1,5 +1,6 @@
 """Frame of the command line: the application, its errors, and its exit codes.
 
+`Commands.main` prints each CatchArenaError and OSError in one line; docstrings of this package do not list them.
 Heavy modules (the engine, the renderer) are imported only by the commands that need them: --help must be fast.
 """
 

@@ -71,11 +71,7 @@ class Bus(Packages):
     bus: BusOption = None
 
     def opened(self, node: str) -> JoinedBus:
-        """Join the bus, with a node of this name on it.
-
-        Raises:
-            BusError: if the bus cannot be reached.
-        """
+        """Join the bus, with a node of this name on it."""
         return open_bus(self.bus, node=node, log=lambda line: echo(line, err=True))
 
     @contextmanager
@@ -96,12 +92,7 @@ class NodeUnderTestOptions(ConditionalOptions):
 
     @contextmanager
     def node(self, word: str) -> "Iterator[NodeUnderTest]":
-        """Join the bus on which a node serves `word`, and yield that node, with an arena for it.
-
-        Raises:
-            ConfigError: for a name that no service can have.
-            BusError: if the bus cannot be reached.
-        """
+        """Join the bus on which a node serves `word`, and yield that node, with an arena for it."""
         from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
         service = word.removeprefix(SERVICE)
@@ -113,11 +104,7 @@ class NodeUnderTestOptions(ConditionalOptions):
 
 
 def checked_name(setting: str, name: str, example: str) -> str:
-    """Return the name of a turtle or a package, or the beginning of a name; an invalid name of a turtle ends turtlesim.
-
-    Raises:
-        ConfigError: for an invalid name.
-    """
+    """Return a valid name of a turtle or a package, or its beginning; an invalid name of a turtle ends turtlesim."""
     if not _NAME.fullmatch(name):
         raise ConfigError(
             f"{setting} must be letters, digits and underscores, such as {example}, got {shortened(name)}"

@@ -86,11 +86,7 @@ def league(
 
 
 def _seconds(text: str) -> float:
-    """Return the seconds of a time such as 15m.
-
-    Raises:
-        ConfigError: for other texts.
-    """
+    """Return the seconds of a time such as 15m."""
     if not re.fullmatch(r"[1-9]\d{0,3}[smhd]", text):
         raise ConfigError(f"--every must be a number with s, m, h or d, such as 15m, got {text!r}")
     return float(text[:-1]) * _UNITS_S[text[-1]]

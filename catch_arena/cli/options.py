@@ -96,11 +96,7 @@ class Arena:
     settings: SettingOption = None
 
     def config(self) -> ArenaConfig:
-        """Return the scenario with the changes of --set.
-
-        Raises:
-            ConfigError: for an unknown scenario or setting, or a value that the setting cannot have.
-        """
+        """Return the scenario with the changes of --set."""
         overrides: dict[str, Any] = {}
         for key, value in _pairs("--set", self.settings):
             if key == "control":
@@ -130,11 +126,7 @@ class Trust:
     limit: Limit = None
 
     def quotas(self) -> Quotas | None:
-        """Return the quotas of isolated agents, or None with --trusted.
-
-        Raises:
-            ConfigError: for an unknown limit, a level that this machine does not have, or --limit with --trusted.
-        """
+        """Return the quotas of isolated agents, or None with --trusted."""
         if self.trusted:
             if self.limit:
                 raise ConfigError(f"--limit must be left out with --trusted, which sets no limits, got {self.limit[0]}")
@@ -167,11 +159,7 @@ class Cores:
         return self.jobs or usable_cores()
 
     def of(self, worker: "Worker") -> "Executor":
-        """Return the executor of these options.
-
-        Raises:
-            ConfigError: if Ray cannot be used.
-        """
+        """Return the executor of these options."""
         from catch_arena.tournament.execution.executors import local_executor
         from catch_arena.tournament.execution.ray_executor import RayExecutor
 
@@ -193,33 +181,21 @@ class ConditionalOptions:
     """Words for this argument."""
 
     def refuse(self) -> None:
-        """Check that no option was given, because the argument is another one.
-
-        Raises:
-            ConfigError: for an option that was given.
-        """
+        """Check that no option was given, because the argument is another one."""
         for field in fields(self):
             if getattr(self, field.name) != field.default:
                 raise ConfigError(f"--{field.name} must come with {self.needs}")
 
 
 def quotas_of(limits: list[str] | None) -> Quotas:
-    """Return the quotas of isolated agents with the changes of --limit.
-
-    Raises:
-        ConfigError: for an unknown limit, or a level that this machine does not have.
-    """
+    """Return the quotas of isolated agents with the changes of --limit, after a check of their level."""
     quotas = Quotas.of(**dict(_pairs("--limit", limits)))
     available_level(quotas.isolation)
     return quotas
 
 
 def require_enough(entrants: int, parties: Parties, scenario: str, *, tournament: bool = False) -> None:
-    """Check that there are enough entrants for a match, or for a tournament's block, which may need more with prey.
-
-    Raises:
-        ConfigError: if the entrants cannot fill the seats; the message gives advice.
-    """
+    """Check that there are enough entrants for a match, or for a tournament's block, which may need more with prey."""
 
     def needed(parties: Parties) -> int:
         return parties.group if tournament else len(parties)
@@ -253,15 +229,7 @@ def print_level(quotas: Quotas | None, specs: Iterable[str]) -> None:
 def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, ...]:
     """Return the entrants of these specs. Each agent is loaded in the process in which it will play.
 
-    A warning is printed for each agent that cannot play.
-
-    Args:
-        specs: specs as on the command line.
-        quotas: quotas of isolated agents; None if all are trusted.
-
-    Raises:
-        AgentError: for a spec that names no agent.
-        MatchFailedError: if an isolated agent cannot be started, for a reason on our side.
+    A warning is printed for each agent that cannot play. Without quotas all are trusted.
     """
     with sandbox_for(quotas) as sandbox, progress_bar("loading agents") as show:
         inspect, seen = inspector(sandbox), count(1)

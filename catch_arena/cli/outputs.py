@@ -44,27 +44,13 @@ def reservations() -> Iterator[None]:
 
 
 def require_free(path: Path, *, force: bool) -> None:
-    """Check that no file would be replaced without --force.
-
-    Raises:
-        OutputError: if the file exists and `force` is False, or if the path is not a regular file.
-    """
+    """Check that no file would be replaced without --force, and no folder or device at all."""
     if regular_file(path).exists() and not force:
         raise OutputError(f"{path}: already exists; use --force to replace it, or choose another name")
 
 
 def reserve_file(path: Path | None, *endings: str, force: bool) -> None:
-    """Make the folder of a file that will be written, and an empty file that blocks other commands.
-
-    Args:
-        path: the file to write; None for no file.
-        endings: endings of its format.
-        force: True if a file may be replaced.
-
-    Raises:
-        ConfigError: for a name with none of the `endings`.
-        OutputError: if the file cannot be written, or exists already.
-    """
+    """Check the ending of a file's name, and make its folder and an empty file, which blocks other commands."""
     if path is None:
         return
     ending = path.suffix.lower()

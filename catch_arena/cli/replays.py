@@ -56,11 +56,7 @@ class Picture:
     ] = "plain"
 
     def arguments(self) -> dict[str, Any]:
-        """Return these options as arguments of functions that draw.
-
-        Raises:
-            ConfigError: for a size of another form.
-        """
+        """Return these options as arguments of functions that draw."""
         return {**vars(self), "size": _width_and_height(self.size)}
 
 
@@ -384,9 +380,6 @@ def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | Non
     """Return what `read` makes of a folder's replays, by path, and the number of replays in the folder.
 
     A replay that cannot be played is reported and left out. At most `limit` are read, the first by name.
-
-    Raises:
-        ReplayError: if the folder has no replay that can be played.
     """
     if not folder.is_dir():
         raise ReplayError(f"{folder}: is not a folder")

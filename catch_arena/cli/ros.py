@@ -341,11 +341,7 @@ def _is_node(driver: str) -> bool:
 
 
 def _seats(options: list[str]) -> dict[int, str]:
-    """Return the driver of each hunter, by seat, from the --seat options.
-
-    Raises:
-        ConfigError: for an option that is not SEAT=DRIVER, that repeats a seat, or whose driver has an invalid name.
-    """
+    """Return the driver of each hunter, by seat, from the --seat options."""
     seats: dict[int, str] = {}
     for option in options:
         number, equals, driver = option.partition("=")
@@ -380,12 +376,7 @@ def _require_rosbags() -> None:
 def parameters_from(words: Sequence[str] | None, defaults: Mapping[str, _Value]) -> dict[str, _Value]:
     """Return a node's parameters by name; of several values the last one counts.
 
-    Args:
-        words: the arguments after --ros-args; None without it.
-        defaults: values of the parameters that are not given; a given value must have the default's type.
-
-    Raises:
-        ConfigError: for an unknown word or parameter, and for a value of another type.
+    `words` are the arguments after --ros-args. A value must have the type of the parameter's default.
     """
     values = dict(defaults)
     rest = iter(words or ())

@@ -36,12 +36,8 @@ def own_console(*, err: bool = False) -> Console:
 def plain_table(*headings: str, text: str = "", **options: Any) -> Table:
     """Return a table without vertical lines, with numbers aligned to the right.
 
-    If it is too wide for the terminal, its cells take several lines, the widest first.
-
-    Args:
-        headings: headings of the columns.
-        text: heading of a column of texts in addition to the first.
-        options: options of `rich.table.Table`.
+    If it is too wide for the terminal, its cells take several lines, the widest first. The first column has texts, and
+    so has the one with the heading `text`. The other options are those of `rich.table.Table`.
     """
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False, title_justify="left", caption_justify="left", **options)
     for heading in headings:
@@ -56,10 +52,6 @@ def progress_bar(description: str, total: int | None = None) -> Iterator[Callabl
 
     The function is called with (done, total), and with a new description of the work if that changes. A terminal shows
     a bar, which disappears at the end; other outputs get a line every few seconds.
-
-    Args:
-        description: the work, in a few words.
-        total: total amount of work, if it is known before.
     """
     console = own_console(err=True)
     began_s = last_line_s = time.monotonic()

@@ -149,11 +149,7 @@ def tournament(
 
 
 def require_own_folder(folder: Path, *, force: bool) -> None:
-    """Check that a folder is missing, empty or that of a tournament, if `force` is False.
-
-    Raises:
-        OutputError: if it has files of another origin.
-    """
+    """Check that a folder is missing, empty or that of a tournament, if `force` is False."""
     if not force and not (folder / STORE).exists() and folder.is_dir() and any(folder.glob("[!.]*")):
         raise OutputError(f"{folder}: has other files; use --force to write into it, or choose another folder")
 
