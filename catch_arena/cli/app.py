@@ -18,7 +18,7 @@ import typer
 from typer.core import TyperGroup
 
 from catch_arena import interrupts
-from catch_arena.cli.outputs import reservations
+from catch_arena.cli.outputs import RESERVATIONS
 from catch_arena.cli.terminal import WIDE, echo, own_console
 from catch_arena.errors import CatchArenaError
 
@@ -54,7 +54,7 @@ class Commands(TyperGroup):
         """Read the command line, run the command, and exit."""
         width = min(WIDE, own_console().width)
         try:
-            with reservations():
+            with RESERVATIONS:
                 sys.exit(super().main(*args, **{**kwargs, "standalone_mode": False, "terminal_width": width}))
         except CatchArenaError as error:
             if not interrupts.was_interrupted():  # an error after Ctrl-C is expected

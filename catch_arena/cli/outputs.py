@@ -1,7 +1,6 @@
 """Output files of commands; an existing file is not replaced without --force."""
 
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, suppress
 from itertools import chain, count
 from pathlib import Path
 from typing import Annotated, Any, Final
@@ -21,26 +20,13 @@ REPLAY: Final = ".replay"
 PAGE: Final = ".html"
 VIDEO: Final = (".mp4", ".webm", ".gif", ".webp")
 VIDEO_HELP: Final = "Video file to write; its name ends in .mp4, .webm, .gif or .webp."
-_RESERVED: Final[list[Path]] = []
-"""Files that the running command has reserved."""
+RESERVATIONS: Final = ExitStack()
+"""Removes at its end the files that the running command has reserved but not written."""
 
 
 def output_option(help_: str, usual: str | bool = True, metavar: str = "FILE") -> Any:
     """Return the option --output of a command; `usual` describes the name that is used without it, if there is one."""
     return typer.Option("--output", "-o", help=help_, metavar=metavar, show_default=usual)
-
-
-@contextmanager
-def reservations() -> Iterator[None]:
-    """Remove at the end of a command the files that it reserved but did not write."""
-    try:
-        yield
-    finally:
-        while _RESERVED:
-            path = _RESERVED.pop()
-            with suppress(OSError):
-                if not path.stat().st_size:
-                    path.unlink()
 
 
 def require_free(path: Path, *, force: bool) -> None:
@@ -79,5 +65,11 @@ def _reserve(path: Path) -> bool:
         return False
     except OSError as error:
         raise unwritable(path, error) from None
-    _RESERVED.append(path)
+    RESERVATIONS.callback(_remove_if_empty, path)
     return True
+
+
+def _remove_if_empty(path: Path) -> None:
+    with suppress(OSError):
+        if not path.stat().st_size:
+            path.unlink()
