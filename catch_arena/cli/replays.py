@@ -2,6 +2,7 @@
 and `highlights`.
 """
 
+import re
 import textwrap
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -57,7 +58,12 @@ class Picture:
 
     def arguments(self) -> dict[str, Any]:
         """Return these options as arguments of functions that draw."""
-        return {**vars(self), "size": _width_and_height(self.size)}
+        if self.size is None:
+            return vars(self)
+        size = re.fullmatch(r"(\d+)x(\d+)", self.size.lower())
+        if size is None:
+            raise ConfigError(f"size must be WIDTHxHEIGHT, such as 1280x720, got {self.size!r}")
+        return {**vars(self), "size": (int(size[1]), int(size[2]))}
 
 
 @dataclass(frozen=True)
@@ -263,8 +269,7 @@ def clip(
     start = min(max(0.0, at - seconds / 2.0), max(0.0, whole_s - seconds))
     target = output or replay.with_name(f"{replay.stem}-{at:g}s.mp4")
     reserve_file(target, *VIDEO, force=force)
-    end = min(whole_s, start + seconds)
-    _write_match(recorded, replay, target, start_s=start, end_s=end)
+    _write_match(recorded, replay, target, start_s=start, end_s=start + seconds)
 
 
 def load_replay(path: Path) -> "Replay":
@@ -364,16 +369,6 @@ def write_video(render: "Callable[..., RenderReport]", *arguments: Any, **option
     with progress_bar("rendering") as show:
         report = render(*arguments, progress=show, **options)
     echo(f"video: {report.path} ({report.frames} frames, {report.seconds:g} s)")
-
-
-def _width_and_height(text: str | None) -> tuple[int, int] | None:
-    """Return the width and height in a text like «1280x720»; None for None."""
-    if text is None:
-        return None
-    width, cross, height = text.lower().partition("x")
-    if not (cross and width.isdecimal() and height.isdecimal()):
-        raise ConfigError(f"size must be WIDTHxHEIGHT, such as 1280x720, got {text!r}")
-    return int(width), int(height)
 
 
 def _from_replays(folder: Path, read: "Callable[[Replay], _T]", limit: int | None = None) -> tuple[dict[str, _T], int]:
