@@ -59,13 +59,7 @@ class Graded(msgspec.Struct, frozen=True, kw_only=True):
 def grade_submission(
     worker: Worker, spec: GradingSpec, opponents: Sequence[Sequence[Entrant]], submission: Submission
 ) -> Graded:
-    """Play all tests of a spec with a submission, in this process.
-
-    Args:
-        worker: has the sandbox of this process.
-        spec: the grading spec.
-        opponents: opponents in each test.
-        submission: the submission.
+    """Play all tests of a spec with a submission, in this process, each against its own `opponents`.
 
     Raises:
         MatchFailedError: if a match could not be held.
@@ -118,17 +112,8 @@ def grade_class(
 ) -> Iterator[tuple[Graded, bool]]:
     """Yield the grades of all submissions, and whether they were kept by an earlier run; such grades come first.
 
-    Each is kept in a file as soon as it is made. `do_in_order` grades a submission again that fails on our side.
-
-    Args:
-        submissions: the submissions.
-        grade: grades a submission; it can be sent to another process.
-        executor: runs `grade`.
-        folder: folder of the results.
-        spec_key: digest of everything else that a grade depends on.
-
-    Raises:
-        OutputError: if a grade cannot be written.
+    Each is kept in a file as soon as it is made, with `spec_key`, the digest of everything else that it depends on.
+    `do_in_order` grades a submission again that fails on our side.
     """
     kept = prepare_folder(folder / KEPT)
     keys = {one.name: f"{spec_key}-{one.digest()}" for one in submissions}

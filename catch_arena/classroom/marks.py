@@ -27,19 +27,7 @@ def write_marks(
     pairs: Sequence[Pair],
     deadline: datetime | None,
 ) -> None:
-    """Write marks.csv and marks_excel.csv.
-
-    Args:
-        folder: folder of the results.
-        graded: grades by name.
-        submissions: the submissions, in the order of the lines.
-        tests: names of the tests.
-        pairs: similar submissions, to look at.
-        deadline: last moment at which a submission is in time; None for no deadline.
-
-    Raises:
-        OutputError: if a file cannot be written.
-    """
+    """Write marks.csv and marks_excel.csv, with the submissions in the given order."""
     titles = [test if tests.index(test) == number else f"{test} ({number + 1})" for number, test in enumerate(tests)]
     heading = ["student", "points", "possible", *titles, "reason", "changed", "hours_late", "look_at", "digest"]
     rows = [heading]
@@ -70,7 +58,7 @@ def write_marks(
 
 
 def hours_late(changed: datetime, deadline: datetime | None) -> str:
-    """Return the number of hours after the deadline, rounded up to one decimal; empty if it was in time."""
+    """Return the number of hours after the deadline, rounded up to one decimal; empty for none."""
     if deadline is None or changed <= deadline:
         return ""
     return f"{math.ceil((changed - deadline).total_seconds() / 360) / 10:.1f}"

@@ -76,9 +76,6 @@ def moment_of(replay: Replay, seat: int, at_ms: int, text: str, failed: str = ""
         at_ms: time of the moment [ms since reset].
         text: text about the moment.
         failed: caption for the picture if the agent failed.
-
-    Raises:
-        ReplayError: if the match does not play as recorded.
     """
     head, _, tracks = encode_bundle(replay).partition(b"\n")
     facts = json.loads(head) | {"seed": "hidden"}

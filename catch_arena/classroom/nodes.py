@@ -36,14 +36,7 @@ _LARGEST_FILE: Final = 1 << 17
 def grade_node_of(worker: Worker, spec: GradingSpec, join: Join, submission: Submission) -> Graded:
     """Grade the node in a student's folder; a test without an answer gives no points.
 
-    Args:
-        worker: begins the process that joins the bus.
-        spec: the grading spec, with its launch command.
-        join: joins the bus with an arena for a node; it can be sent to another process.
-        submission: the submission.
-
-    Raises:
-        BusError: if the bus cannot be joined.
+    `worker` begins the process in which `join` joins the bus.
     """
     grades: list[TestGrade] = []
     fault, printed = "must be a folder, in which the spec's launch command starts the node", ""

@@ -12,14 +12,7 @@ _PROGRAMS = ("agent.py", "test_agent.py")
 
 
 def write_agent_kit(folder: Path) -> list[Path]:
-    """Write an agent with its test, a spec to grade it, and a workflow file for continuous integration.
-
-    Returns:
-        The written files.
-
-    Raises:
-        OutputError: if the folder has files, or cannot be written.
-    """
+    """Write an agent with its test, a spec and a workflow file for continuous integration, and return the files."""
     kit = {name: _content("kit", name) for name in _PROGRAMS}
     kit["README.md"] = _content("kit", "README.md").replace("NAME", folder.absolute().name, 1)
     return _write(
@@ -33,14 +26,7 @@ def kit_programs() -> list[bytes]:
 
 
 def write_sample_class(folder: Path) -> list[Path]:
-    """Write a spec and five submissions: a good one, a copy of it, and three with common mistakes.
-
-    Returns:
-        The written files.
-
-    Raises:
-        OutputError: if the folder has files, or cannot be written.
-    """
+    """Write a spec and five submissions, and return the files: a good one, its copy, and three with common mistakes."""
     names = sorted(one.name for one in (files(__package__) / "sample").iterdir() if one.name.endswith(".py"))
     submissions = {f"submissions/{name}": _content("sample", name) for name in names}
     return _write(folder, {_SPEC: _content("sample", _SPEC), **submissions})

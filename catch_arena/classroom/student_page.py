@@ -20,14 +20,7 @@ _PAGE: Final = "catch_arena.classroom"
 
 
 def student_page(title: str, graded: Graded, changed: datetime, deadline: datetime | None) -> str:
-    """Return the page of a student as HTML.
-
-    Args:
-        title: title of the exercise.
-        graded: grades of the student.
-        changed: time of the last change of the submission.
-        deadline: last moment at which a submission is in time; None for no deadline.
-    """
+    """Return the page of a student as HTML, with the title of the exercise."""
     return _template().render(
         title=title,
         graded=graded,

@@ -79,11 +79,7 @@ def submission_at(path: Path) -> Submission | None:
 
 
 def find_submissions(folder: Path) -> tuple[list[Submission], list[str]]:
-    """Return the submissions in a folder by name, and the names of the files that are none.
-
-    Raises:
-        ConfigError: for no submission, for two with one name, or for a name that cannot be used.
-    """
+    """Return the submissions in a folder by name, and the names of the files that are none."""
     found: list[Submission] = []
     others: list[str] = []
     for path in sorted(folder.iterdir()):

@@ -56,7 +56,6 @@ class Entry:
 
         Raises:
             ConfigError: if the files change meanwhile.
-            OutputError: if they cannot be written.
         """
         if self.submission is None or self.fault:
             return self.name
@@ -78,17 +77,7 @@ class Entry:
 
 
 def find_entries(folder: Path, kind: Kind, report: Callable[[str], None], without: Path | None = None) -> list[Entry]:
-    """Return the entries in a folder.
-
-    Args:
-        folder: the folder.
-        kind: kind of its entries.
-        report: called with a warning about each file that is left out.
-        without: file or folder in it that is no entry.
-
-    Raises:
-        ConfigError: if the folder cannot be read, or if its sub-folder `site` is an entry.
-    """
+    """Return the entries in a folder, except `without`; `report` gets a warning about each that is left out."""
     found: dict[str, list[Submission]] = {}
     if (folder / SITE / IN_FOLDER).exists():
         raise ConfigError(f"{folder / SITE}: is the folder of the pages; rename this entry")
@@ -109,11 +98,7 @@ def find_entries(folder: Path, kind: Kind, report: Callable[[str], None], withou
 
 
 def shipped_entries(group: int) -> list[Entry]:
-    """Return the agents that come with the package and take part, so that one person is enough for a league.
-
-    Args:
-        group: number of players in a block.
-    """
+    """Return agents that come with the package, so that one person is enough for blocks of `group` players."""
     names = SHIPPED[: max(_FEWEST_SHIPPED, group - 1)]
     return [Entry(f"shipped/{one.name}", "shipped", one.name, one.digest) for one in enter(names)]
 

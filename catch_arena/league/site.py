@@ -62,11 +62,7 @@ class Line:
 
 
 def write_site(league: League) -> Path:
-    """Write the pages of a league, each whole or not at all, and return the first one; other files stay.
-
-    Raises:
-        OutputError: if a page cannot be written.
-    """
+    """Write the pages of a league, each whole or not at all, and return the first one; other files stay."""
     folder = prepare_folder(league.folder / SITE)
     lines = _lines(league)
     persons = [line for line in lines if line.entry.kind == "person"]

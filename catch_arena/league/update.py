@@ -145,21 +145,14 @@ def update_league(
     """Run a league once, and return it.
 
     Args:
-        folder: the league's folder, with a file or sub-folder for each person.
-        rules: the rules; the arena and the quotas must be those of the runs before.
+        folder: has a file or sub-folder for each person.
+        rules: the arena and the quotas must be those of the runs before.
         jobs: number of processes that check new versions.
         executor_of: makes the executor that plays the matches.
         now: time of the run, with its time zone.
         secret: source of all seeds; None to draw it for a new league, or to keep that of the runs before.
         report: called with each piece of news, in one line.
         on_progress: called with the number of matches played so far, and about the number of all.
-
-    Raises:
-        ConfigError: for a folder without an entry, or an arena in which only one party plays.
-        StoreError: if another run is busy, or for a store that cannot be used.
-        OtherTournamentError: if the league began with other settings.
-        OutputError: if a file cannot be written.
-        MatchFailedError: for a match that failed on our side three times.
     """
     parties = Parties.of(rules.config)
     if parties.group < 2:
@@ -248,16 +241,10 @@ def _add_versions(
 
 
 def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Entrant:
-    """Inspect a new version, let it play against itself if it does not come with the package, and return its entrant.
+    """Return the entrant of a new version, which has a fault if it does not pass the check.
 
-    Args:
-        worker: has the sandbox of this process.
-        agent: the agent, as on the command line.
-        scenario: name of the arena.
-        fault: reason for which its files cannot be used; empty if they can be.
-
-    Returns:
-        The entrant; it has a fault if it does not pass.
+    It is inspected, and plays against itself if it does not come with the package. If its files cannot be used,
+    `fault` has the reason.
 
     Raises:
         MatchFailedError: if it could not be checked, for a reason on our side.
