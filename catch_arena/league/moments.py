@@ -1,7 +1,6 @@
 """Matches of an entrant that its page plays and whose replays stay: the worst, the best, and the newest ones."""
 
-from collections import defaultdict
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Final, NamedTuple
 
 from catch_arena.classroom.moments import Moment, merit, moment_of
@@ -24,15 +23,6 @@ class Part(NamedTuple):
     def forfeit(self) -> Forfeit | None:
         """Failure of the party in the match; None if it did not fail."""
         return self.one.result.forfeits[self.party]
-
-
-def parts_of_entrants(played: Sequence[PlayedMatch]) -> Mapping[int, list[Part]]:
-    """Return the matches of each entrant, in the order of the plan."""
-    found: dict[int, list[Part]] = defaultdict(list)
-    for one in played:
-        for party, index in enumerate(one.match.seating):
-            found[index].append(Part(one, party))
-    return found
 
 
 def best_and_worst(parts: Sequence[Part], parties: Parties) -> tuple[Part, Part] | None:

@@ -2,6 +2,7 @@
 
 import math
 import shutil
+from collections import defaultdict
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import Future
 from contextlib import AbstractContextManager, ExitStack, suppress
@@ -19,7 +20,7 @@ from catch_arena.errors import AgentError, ConfigError, MatchFailedError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.league.entries import Entry, entrant_name, find_entries, shipped_entries, with_own_names
 from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
-from catch_arena.league.moments import Part, matches_kept, parts_of_entrants
+from catch_arena.league.moments import Part, matches_kept
 from catch_arena.league.store import LeagueStore, RatingThen, Version
 from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness
@@ -93,10 +94,21 @@ class League:
 
     @cached_property
     def current(self) -> Mapping[str, int]:
-        """Entrant that plays for each present entry, by its key; an entry has none until a version passes the check."""
-        copies = self.state / _COPIES
-        found = {one.key: _current(one, self.versions.get(one.key, ()), copies) for one in self.entries}
-        return {key: index for key, index in found.items() if index is not None}
+        """Entrant that plays for each present entry, by its key; an entry has none until a version passes the check.
+
+        It is that of the present files, or of the newest version whose files are kept.
+        """
+        playing = {}
+        for entry in self.entries:
+            able = {
+                one.digest: one.entrant
+                for one in self.versions.get(entry.key, ())
+                if one.entrant is not None
+                and (entry.submission is None or (self.state / _COPIES / one.digest).exists())
+            }
+            if able:
+                playing[entry.key] = able.get(entry.digest, [*able.values()][-1])
+        return playing
 
     @cached_property
     def persons(self) -> frozenset[int]:
@@ -114,7 +126,11 @@ class League:
     @cached_property
     def parts(self) -> Mapping[int, Sequence[Part]]:
         """Matches of each entrant, in the order of the plan; for use after the run."""
-        return parts_of_entrants(self.played)
+        found: dict[int, list[Part]] = defaultdict(list)
+        for one in self.played:
+            for party, index in enumerate(one.match.seating):
+                found[index].append(Part(one, party))
+        return found
 
     def is_placed(self, entrant: int) -> bool:
         """Return whether a rating is precise enough by the rules, or its interval has no other rating."""
@@ -329,14 +345,6 @@ def _matches_left(league: League, waiting: Sequence[int]) -> int:
         needed = max(FEWEST_BLOCKS, blocks * (margin / league.rules.precision) ** 2)
         left += max(1.0, min(needed, league.rules.max_matches / size) - blocks)
     return math.ceil(left / league.parties.group) * size
-
-
-def _current(entry: Entry, versions: Sequence[Version], copies: Path) -> int | None:
-    """Return the entrant that plays for an entry: its present files, or the newest version whose files are kept."""
-    passed = [one for one in versions if one.entrant is not None]
-    able = [one for one in passed if entry.submission is None or (copies / one.digest).exists()]
-    present = [one for one in able if one.digest == entry.digest]
-    return next((one.entrant for one in (*present, *reversed(able))), None)
 
 
 def _ratings(league: League, time: str) -> list[RatingThen]:
