@@ -3,7 +3,7 @@
 from bisect import bisect_left
 from collections import Counter, defaultdict
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import Final
 
@@ -33,24 +33,20 @@ class Evidence:
     """Number of blocks in which two entrants met, the smaller index first."""
 
 
-def weigh(
-    played: Sequence[PlayedMatch], parties: Parties, entrants: int, zero: int, present: Collection[int]
-) -> Evidence:
+def weigh(played: Sequence[PlayedMatch], parties: Parties, zero: int, present: Collection[int]) -> Evidence:
     """Return the evidence of some matches about the present entrants; old versions are rated too, but not returned.
 
     Args:
         played: the matches, in whole blocks. In an arena with prey, the results of the hunters count.
         parties: the parties of the arena.
-        entrants: number of all entrants.
         zero: index of the entrant whose rating is 0, if it played.
         present: indices of the entrants that still play.
     """
     if not played:
         return Evidence()
-    outcomes = Outcomes.of(entrants, on_side(played, parties))
-    players, places = np.unique(outcomes.seating, return_inverse=True)
-    places = places.reshape(outcomes.seating.shape)
-    outcomes = Outcomes(len(players), outcomes.block, places, outcomes.scores, outcomes.ranks)
+    matches = on_side(played, parties)
+    players, places = np.unique([one.seating for one in matches], return_inverse=True)
+    outcomes = replace(Outcomes.of(len(players), matches), seating=places.reshape(len(matches), -1))
     here = np.flatnonzero(np.isin(players, [*present])).tolist()
     names = players[here].tolist()
     ratings = dict(zip(names, local_estimates(outcomes, here), strict=True))

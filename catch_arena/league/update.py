@@ -308,7 +308,7 @@ def _play(
     with ExitStack() as stack:
         while True:
             pool = sorted(playing - {*league.streaks.excluded})
-            league.evidence = weigh(league.played, parties, len(league.entrants), zero, playing)
+            league.evidence = weigh(league.played, parties, zero, playing)
             league.new_matches = len(league.played) - before
             waiting = sorted(
                 filter(league.is_waiting, league.persons & {*pool}),

@@ -510,7 +510,7 @@ def test_with_prey_the_ratings_are_those_of_hunters():
     config = scenario("tag", time_limit_s=3)
     entrants, parties = enter(["nearest", "intercept", "patrol", "contested", "idle"]), Parties.of(config)
     played = play(config, entrants, round_robin(5, parties, 1, 3))
-    evidence = weigh(played, parties, 5, 0, range(5))
+    evidence = weigh(played, parties, 0, range(5))
     assert set(evidence.met) == set(combinations(range(5), 2))
     table = standings(SideResults.of(entrants, played, parties, "hunter"))
     ratings = {line.name: line.rating.mean for line in table}
