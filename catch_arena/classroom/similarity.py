@@ -49,7 +49,7 @@ def similar_pairs(submissions: Sequence[Submission]) -> list[Pair]:
     """Return the pairs of submissions that are equal or nearly equal, the most similar first; empty ones have none."""
     submissions = [one for one in submissions if one.files]
     digests = {one.name: one.digest() for one in submissions}
-    kit = frozenset[tuple[str, ...]]().union(*map(_pieces, kit_programs()))
+    kit = Shape().union(*map(_pieces, kit_programs()))
     shapes = {one.name: _shape(one) - kit for one in submissions}
     owners = Counter(piece for shape in shapes.values() for piece in shape)
     most = max(2, min(_COMMON, len(submissions) - 1), len(submissions) // 2)
@@ -65,12 +65,8 @@ def similar_pairs(submissions: Sequence[Submission]) -> list[Pair]:
 
 
 def _shape(submission: Submission) -> Shape:
-    pieces: set[tuple[str, ...]] = set()
-    for path in submission.files:
-        content = content_of(str(path)) if path.suffix.lower() == ".py" else None
-        if content is not None and len(content) <= _LONGEST:
-            pieces |= _pieces(content)
-    return frozenset(pieces)
+    programs = (content_of(str(path)) for path in submission.files if path.suffix.lower() == ".py")
+    return Shape().union(*(_pieces(one) for one in programs if one is not None and len(one) <= _LONGEST))
 
 
 def _pieces(program: bytes) -> Shape:
