@@ -1,7 +1,6 @@
 """`catch-arena agents`, `scenarios` and `docs`: lists of the agents, scenarios and pages in the package."""
 
 import json
-from collections.abc import Iterator
 from pathlib import Path
 from typing import Annotated, Final
 
@@ -33,9 +32,15 @@ def agents(
 def scenarios() -> None:
     """List the scenarios."""
     listing = plain_table("scenario", "hunters", "side m", "per s", "other settings", text="other settings")
+    usual = ArenaConfig().to_flat_dict()
     for name, config in SCENARIOS.items():
         numbers = (str(config.hunters), f"{config.side_m:.1f}", f"{1000 / config.spawn_period_ms:g}")
-        listing.add_row(name, *numbers, ", ".join(_other_settings(config)))
+        others = [  # as --set takes them
+            f"{setting}={value if isinstance(value, str) else json.dumps(value, separators=(',', ':'))}"
+            for setting, value in config.to_flat_dict().items()
+            if setting not in _LISTED and value != usual[setting]
+        ]
+        listing.add_row(name, *numbers, ", ".join(others))
     own_console().print(listing)
 
 
@@ -61,12 +66,3 @@ def docs(
     if name not in pages:
         raise ConfigError(f"unknown page {page!r}: {suggest(name, pages)}")
     echo(pages[name].rstrip("\n"))
-
-
-def _other_settings(config: ArenaConfig) -> Iterator[str]:
-    """Yield the other settings that differ from the defaults, in the form of `--set`."""
-    usual = ArenaConfig().to_flat_dict()
-    for name, value in config.to_flat_dict().items():
-        if name not in _LISTED and value != usual[name]:
-            text = json.dumps(value, separators=(",", ":"))
-            yield f"{name}={value if isinstance(value, str) else text}"
