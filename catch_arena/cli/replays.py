@@ -289,19 +289,17 @@ def _answer(recorded: "Replay", at: float, hunter: str | None) -> "WhatIf":
 
 
 def _write_match(recorded: "Replay", path: Path, target: Path, **options: Any) -> None:
-    """Write a video of a recorded match, which was loaded from `path`, with options of `render_replay`."""
+    """Write a video of a recorded match, which was loaded from `path`, with options of `render_replay`.
+
+    If a tournament's folder has the replay, the title names the tournament and the date.
+    """
     from catch_arena.render.video import render_replay
 
-    write_video(render_replay, recorded, target, event=_event(path), **options)
-
-
-def _event(path: Path) -> str:
-    """Return the name of the tournament whose folder holds a replay, and the date of the match; else an empty text."""
-    folder = path.absolute().parent
-    if folder.name != "replays" or not (folder.parent / STORE).exists():
-        return ""
-    played = datetime.fromtimestamp(path.stat().st_mtime).astimezone()
-    return f"{printable(folder.parent.name)}, {played:%Y-%m-%d}"
+    event, folder = "", path.absolute().parent
+    if folder.name == "replays" and (folder.parent / STORE).exists():
+        played = datetime.fromtimestamp(path.stat().st_mtime).astimezone()
+        event = f"{printable(folder.parent.name)}, {played:%Y-%m-%d}"
+    write_video(render_replay, recorded, target, event=event, **options)
 
 
 @main.command()
