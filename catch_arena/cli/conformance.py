@@ -72,7 +72,10 @@ def conformance(
             report = run_on_node(node, select_cases(only or ()))
     else:
         service.refuse()
-        tried, made = None if arbiter is None else _function(arbiter), None if arena is None else _make(arena)
+        tried = None if arbiter is None else _callable(arbiter)
+        if isinstance(tried, type):
+            raise AgentError(f"{arbiter}: is a class, but an arbiter is a function; check agents with check-agent")
+        made = None if arena is None else _make(arena)
         with progress_bar("cases") as show:
             report = run_conformance(
                 tried,
@@ -91,14 +94,6 @@ def conformance(
         echo(f"JUnit XML: {junit}")
     if not report.passed:
         raise typer.Exit(EXIT_NO)
-
-
-def _function(spec: str) -> Any:
-    """Return the arbiter that «module:function» or «path.py:function» names."""
-    found = _callable(spec)
-    if isinstance(found, type):
-        raise AgentError(f"{spec}: is a class, but an arbiter is a function; check agents with check-agent")
-    return found
 
 
 def _make(spec: str) -> Any:
