@@ -25,6 +25,7 @@ import numba.core.ir
 import numba.core.ir_utils
 import numba.core.typed_passes
 import numba.core.untyped_passes
+from llvmlite import binding
 
 # typed in a few places, but not in those used here
 _dynfunc: Any = numba._dynfunc  # noqa: SLF001
@@ -36,6 +37,9 @@ ir_utils: Any = numba.core.ir_utils
 typed_passes: Any = numba.core.typed_passes
 untyped_passes: Any = numba.core.untyped_passes
 _machinery: Any = numba.core.compiler_machinery
+
+HAS_AVX512VL: Final = binding.get_host_cpu_features().get("avx512vl", False)
+"""True if this processor has AVX-512VL: see `vectors.PLAYED`."""
 
 _ENDING: Final = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 _Library: Any = codegen.JITCodeLibrary

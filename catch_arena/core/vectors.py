@@ -16,7 +16,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Final, TypeVar, cast
 
 import numpy as np
-from llvmlite import binding, ir
+from llvmlite import ir
 from numba import types
 from numba.core import cgutils
 from numba.extending import lower_cast, models, register_model
@@ -24,6 +24,7 @@ from numba.extending import lower_cast, models, register_model
 from catch_arena.core.addresses import ArrayAt
 from catch_arena.core.extending import INT32, Emitter, compiled_as, unpacked
 from catch_arena.core.jit import rule
+from catch_arena.core.modes import COMPILER
 
 LANES: Final = 32
 """Number of arenas side by side in a chunk: enough for the widest SIMD registers, few enough for the first caches."""
@@ -34,7 +35,7 @@ SINGLE: Final[Width] = (0,)
 HALF: Final[Width] = (0,) * 4
 WIDE: Final[Width] = (0,) * 8
 """Width of an AVX2 register of float32, which holds eight numbers; one of float64 holds four, as HALF."""
-PLAYED: Final = WIDE if binding.get_host_cpu_features().get("avx512vl", False) else HALF
+PLAYED: Final = WIDE if COMPILER and COMPILER.HAS_AVX512VL else HALF
 """Number of lanes of a batch that play together. AVX-512VL has 32 registers, enough for eight float64 in two each; AVX2
 has 16, with which such code would keep numbers in memory.
 """
