@@ -10,10 +10,10 @@ from typing import Any
 
 import numba.core.types
 from numba.core import cgutils
-from numba.extending import lower_builtin, models, register_model
+from numba.extending import lower_builtin, make_attribute_wrapper, models, register_model
 from numpy.typing import NDArray
 
-from catch_arena.core.extending import compiled_as, fields_as, packed, unpacked, whole_number
+from catch_arena.core.extending import compiled_as
 
 types: Any = numba.core.types  # Numba annotates only a part of it, without the names used here
 
@@ -49,8 +49,22 @@ class ArrayAt(types.Type):  # type: ignore[misc]
 @register_model(ArrayAt)
 class _ArrayAtModel(models.StructModel):
     def __init__(self, manager: Any, of: ArrayAt) -> None:
-        shape = [(f"extent_{axis}", types.int64) for axis in range(of.ndim)]
-        super().__init__(manager, of, [("first", types.CPointer(of.dtype)), *shape])
+        shape = types.UniTuple(types.int64, of.ndim)
+        super().__init__(manager, of, [("first", types.CPointer(of.dtype)), ("shape", shape)])
+
+
+make_attribute_wrapper(ArrayAt, "shape", "shape")
+
+
+def array_at(builder: Any, first: Any, shape: list[Any]) -> Any:
+    """Return an `ArrayAt`, made of the pointer to its first number and its extents."""
+    return cgutils.pack_struct(builder, [first, cgutils.pack_array(builder, shape)])
+
+
+def parts_of(builder: Any, array: Any) -> tuple[Any, list[Any]]:
+    """Return the pointer and the extents of an `ArrayAt`."""
+    first, shape = cgutils.unpack_tuple(builder, array)
+    return first, cgutils.unpack_tuple(builder, shape)
 
 
 def product(builder: Any, numbers: list[Any]) -> Any:
@@ -67,7 +81,7 @@ def _least(builder: Any, a: Any, b: Any) -> Any:
 
 def _find(context: Any, builder: Any, array: Any, indices: list[Any]) -> Any:
     """Return the pointer to the numbers at these indices; there may be fewer indices than dimensions."""
-    first, *shape = unpacked(builder, array)
+    first, shape = parts_of(builder, array)
     offset = indices[0].type(0)
     for axis, extent in enumerate(shape):
         if axis > 0:
@@ -80,10 +94,14 @@ def _find(context: Any, builder: Any, array: Any, indices: list[Any]) -> Any:
 
 
 def _indices(context: Any, builder: Any, index: Any, of: Any) -> list[Any]:
-    if not isinstance(of, types.BaseTuple):
-        return [whole_number(context, builder, index, of)]
-    values = cgutils.unpack_tuple(builder, index, len(of))
-    return [whole_number(context, builder, one, kind) for one, kind in zip(values, of, strict=True)]
+    """Return an index, or those in a tuple, as int64."""
+    kinds, values = [of], [index]
+    if isinstance(of, types.BaseTuple):
+        kinds, values = list(of), cgutils.unpack_tuple(builder, index, len(of))
+    return [
+        context.cast(builder, value, types.unliteral(kind), types.int64)
+        for value, kind in zip(values, kinds, strict=True)
+    ]
 
 
 def _indexes(index: Any) -> int:
@@ -108,22 +126,21 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     (array, index), (of, of_index) = arguments, signature.args
     found = _find(context, builder, array, _indices(context, builder, index, of_index))
     if isinstance(signature.return_type, ArrayAt):
-        _, _, *inner = unpacked(builder, array)
-        return packed(context, builder, signature.return_type, [found, *inner])
+        return array_at(builder, found, parts_of(builder, array)[1][1:])
     return context.unpack_value(builder, of.dtype, found)
 
 
 @lower_builtin(operator.getitem, ArrayAt, types.SliceType)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    (array, bounds), of = arguments, signature.return_type
-    begin, end, _ = unpacked(builder, bounds)
-    first, extent, *inner = unpacked(builder, array)
+def _(context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+    array, bounds = arguments
+    begin, end, _ = cgutils.unpack_tuple(builder, bounds)
+    first, (extent, *inner) = parts_of(builder, array)
     end = _least(builder, end, extent)  # an omitted bound is the largest number
     begin = _least(builder, begin, end)
     if context.enable_boundscheck:  # a bound counted from the back would lie before the front
         cgutils.do_boundscheck(context, builder, begin, builder.add(extent, extent.type(1)), 0)
     first = builder.gep(first, [product(builder, [begin, *inner])])
-    return packed(context, builder, of, [first, builder.sub(end, begin), *inner])
+    return array_at(builder, first, [builder.sub(end, begin), *inner])
 
 
 def _type_of_put(array: Any, index: Any, _value: Any) -> Any:
@@ -143,25 +160,16 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
 
 @compiled_as(len, lambda array: types.intp(array) if isinstance(array, ArrayAt) else None, 1, ArrayAt)
 def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-    return builder.extract_value(arguments[0], 1)
-
-
-@fields_as(ArrayAt, lambda of, name: {"shape": types.UniTuple(types.intp, of.ndim), "size": types.intp}.get(name))
-def _(context: Any, builder: Any, of: ArrayAt, array: Any, name: str) -> Any:
-    _, *shape = unpacked(builder, array)
-    if name == "size":
-        return product(builder, shape)
-    return context.make_tuple(builder, types.UniTuple(types.intp, of.ndim), shape)
+    return parts_of(builder, arguments[0])[1][0]
 
 
 @compiled_as(by_address, lambda array: ArrayAt(array.dtype, array.ndim)(array) if array.layout == "C" else None, 1)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     array = context.make_array(signature.args[0])(context, builder, arguments[0])
-    shape = cgutils.unpack_tuple(builder, array.shape)
-    return packed(context, builder, signature.return_type, [array.data, *shape])
+    return array_at(builder, array.data, cgutils.unpack_tuple(builder, array.shape))
 
 
 @compiled_as(flat, lambda array: ArrayAt(array.dtype, 1)(array) if isinstance(array, ArrayAt) else None, 1)
-def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
-    first, *shape = unpacked(builder, arguments[0])
-    return packed(context, builder, signature.return_type, [first, product(builder, shape)])
+def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
+    first, shape = parts_of(builder, arguments[0])
+    return array_at(builder, first, [product(builder, shape)])

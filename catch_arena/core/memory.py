@@ -7,7 +7,6 @@ scratch sections of its own, whose content is not kept after a step.
 """
 
 import contextlib
-import itertools
 import math
 import mmap
 from collections.abc import Mapping
@@ -15,14 +14,15 @@ from typing import Annotated, Any, Final, NamedTuple
 
 import numpy as np
 from llvmlite import ir
-from numba import from_dtype, types
-from numba.extending import models, register_model
+from numba import types
+from numba.core import cgutils
+from numba.extending import lower_getattr_generic, models, register_model
 from numpy.typing import NDArray
 
 from catch_arena.core import rows
-from catch_arena.core.addresses import ArrayAt, product
+from catch_arena.core.addresses import ArrayAt, array_at, product
 from catch_arena.core.arbiter import REQUEST_COLUMNS
-from catch_arena.core.extending import INT64, compiled_as, constant_at, fields_as, packed, unpacked
+from catch_arena.core.extending import INT64, compiled_as
 from catch_arena.core.state import MOST, PART_NAMES, PREY_PART_NAMES, Options, PlainSettings, SeatLimits, Settings
 from catch_arena.core.transfers import TILE
 from catch_arena.core.vectors import LANES, WIDE
@@ -144,24 +144,20 @@ class Sections(NamedTuple):
 _METADATA: Final = {name: kind.__metadata__ for name, kind in Sections.__annotations__.items()}
 DTYPES: Final = {name: np.dtype(element) for name, (element, _) in _METADATA.items()}
 _SHAPES: Final[dict[str, Shape]] = {name: shape for name, (_, shape) in _METADATA.items()}
-_PLACES: Final = [1 + len(shape.sizes) for shape in _SHAPES.values()]
-"""Number of int64 in the directory for each section: its offset and its shape."""
-_DIRECTORY: Final = sum(_PLACES)
-"""Length of the directory, in int64."""
-_INDICES: Final = dict(zip(_SHAPES, itertools.accumulate(_PLACES, initial=0), strict=False))
-"""Index in the directory at which the numbers of a section begin."""
+_ENTRY: Final = 4
+"""Number of int64 in the directory for each section: its offset and its shape, of at most three sizes."""
 
 
 def lay_out(sizes: Mapping[str, int]) -> tuple[Bytes, Sections]:
     """Return zeros with all sections, and these as views; `sizes` are those that `Shape` names."""
-    size = whole_lines(8 * _DIRECTORY)
-    directory: list[int] = []
-    for name, shape in _SHAPES.items():
+    directory = np.zeros((len(_SHAPES), _ENTRY), np.int64)
+    size = whole_lines(directory.nbytes)
+    for entry, (name, shape) in zip(directory, _SHAPES.items(), strict=True):
         numbers = [sizes[of] if isinstance(of, str) else of for of in shape.sizes]
-        directory += [size, *numbers]
+        entry[: 1 + len(numbers)] = size, *numbers
         size += whole_lines(math.prod(numbers) * DTYPES[name].itemsize)
     memory = _new_bytes(size)
-    memory[: 8 * _DIRECTORY].view(np.int64)[:] = directory
+    memory[: directory.nbytes].view(np.int64)[:] = directory.reshape(-1)
     return memory, sections_of(memory)
 
 
@@ -192,11 +188,11 @@ def whole_lines(size: int) -> int:
 
 def sections_of(memory: Bytes, thread: int = 0) -> Sections:
     """Return the sections of a memory, with the scratch sections of one thread."""
-    directory = iter(memory[: 8 * _DIRECTORY].view(np.int64).tolist())
+    directory = memory[: 8 * _ENTRY * len(_SHAPES)].view(np.int64).reshape(-1, _ENTRY).tolist()
     sections = []
-    for dtype, shape in zip(DTYPES.values(), _SHAPES.values(), strict=True):
-        begin, *numbers = (next(directory) for _ in range(1 + len(shape.sizes)))
-        array: NDArray[Any] = np.ndarray(numbers, dtype, memory, begin)  # three times as fast as a slice and a view
+    for (begin, *numbers), dtype, shape in zip(directory, DTYPES.values(), _SHAPES.values(), strict=True):
+        size = numbers[: len(shape.sizes)]
+        array: NDArray[Any] = np.ndarray(size, dtype, memory, begin)  # three times as fast as a slice and a view
         sections.append(array[thread] if shape.by_thread else array)
     return Sections(*sections)
 
@@ -210,31 +206,50 @@ def settings_in(numbers: NDArray[np.float64], options: Options) -> Settings:
 
 # ---- for the compiler: settings and sections are addresses, and a field is read where code uses it ----
 
-_NUMBERS: Final = ir.DoubleType().as_pointer()
-_DIRECTORY_AT: Final = INT64.as_pointer()
+_KINDS: Final = {int: types.int64, float: types.float64}
 
 
-class SettingsAt(types.Type):
+class _FieldsAt(types.BaseNamedTuple):
+    """Compiler type of a named tuple whose fields are in memory."""
+
+    def __init__(self, name: str, kinds: Mapping[str, Any]) -> None:
+        self.fields, self.kinds = tuple(kinds), tuple(kinds.values())
+        super().__init__(name)
+
+    def __len__(self) -> int:
+        return len(self.fields)
+
+    def __getitem__(self, index: int) -> Any:  # type: ignore[override]
+        return self.kinds[index]
+
+
+class SettingsAt(_FieldsAt):
     """Compiler type of `Settings` or `PlainSettings`: the address of their numbers."""
 
-    def __init__(self, fields: type[Settings]) -> None:
-        known = PlainSettings.ZERO if fields is PlainSettings else ()
+    def __init__(self, of: type[Settings]) -> None:
+        known = PlainSettings.ZERO if of is PlainSettings else ()
         self.zero = {name: Settings.__annotations__[name]() for name in known}
         """Fields that are 0 or 0.0, with that value: see `compiler`."""
-        super().__init__(fields.__name__)
+        super().__init__(of.__name__, {name: _KINDS[kind] for name, kind in Settings.__annotations__.items()})
 
 
-class SectionsAt(types.Type):
+class SectionsAt(_FieldsAt):
     """Compiler type of `Sections`: the memory, and the number of the thread."""
 
 
-SECTIONS: Final = SectionsAt("Sections")
+SECTIONS: Final = SectionsAt(
+    "Sections",
+    {
+        name: ArrayAt(getattr(types, DTYPES[name].name), len(shape.sizes) - shape.by_thread)
+        for name, shape in _SHAPES.items()
+    },
+)
 
 
 @register_model(SettingsAt)
 class _SettingsModel(models.PrimitiveModel):
     def __init__(self, manager: Any, of: SettingsAt) -> None:
-        super().__init__(manager, of, _NUMBERS)
+        super().__init__(manager, of, ir.DoubleType().as_pointer())
 
 
 @register_model(SectionsAt)
@@ -243,17 +258,32 @@ class _SectionsModel(models.StructModel):
         super().__init__(manager, of, (("memory", types.CPointer(types.uint8)), ("thread", types.int64)))
 
 
-_KINDS: Final = {int: types.int64, float: types.float64}
+def _number_at(builder: Any, numbers: Any, index: int) -> Any:
+    """Return a number that no code compiled together with this writes, so that LLVM reads it once."""
+    number = builder.load(builder.gep(numbers, [INT64(index)]))
+    number.set_metadata("invariant.load", builder.module.add_metadata([]))
+    return number
 
 
-def _type_of_setting(_settings: Any, name: str) -> Any:
-    return _KINDS[Settings.__annotations__[name]] if name in Settings._fields else None
-
-
-@fields_as(SettingsAt, _type_of_setting)
-def _(_context: Any, builder: Any, _of: Any, settings: Any, name: str) -> Any:
-    number = constant_at(builder, builder.gep(settings, [INT64(Settings._fields.index(name))]))
+@lower_getattr_generic(SettingsAt)
+def _(_context: Any, builder: Any, of: Any, settings: Any, name: str) -> Any:
+    number = _number_at(builder, settings, of.fields.index(name))
     return builder.fptosi(number, INT64) if Settings.__annotations__[name] is int else number
+
+
+@lower_getattr_generic(SectionsAt)
+def _(context: Any, builder: Any, of: Any, sections: Any, name: str) -> Any:
+    memory, thread = cgutils.unpack_tuple(builder, sections)
+    index, by_thread = of.fields.index(name), _SHAPES[name].by_thread
+    directory = builder.bitcast(memory, INT64.as_pointer())
+    places = range(_ENTRY * index, _ENTRY * index + 1 + len(_SHAPES[name].sizes))
+    begin, *shape = (_number_at(builder, directory, place) for place in places)
+    if by_thread:
+        shape = shape[1:]
+        size = builder.mul(product(builder, shape), INT64(DTYPES[name].itemsize))
+        begin = builder.add(begin, builder.mul(thread, size))
+    numbers = context.get_value_type(types.CPointer(of[index].dtype))
+    return array_at(builder, builder.bitcast(builder.gep(memory, [begin]), numbers), shape)
 
 
 def _type_of_settings(numbers: Any, options: Any) -> Any:
@@ -262,36 +292,10 @@ def _type_of_settings(numbers: Any, options: Any) -> Any:
 
 @compiled_as(settings_in, _type_of_settings, 2)
 def _(_context: Any, builder: Any, _signature: Any, arguments: Any) -> Any:
-    return builder.extract_value(arguments[0], 0)
+    return cgutils.unpack_tuple(builder, arguments[0])[0]
 
 
-def _type_of_sections(memory: Any, _thread: Any) -> Any:
-    return SECTIONS(memory, types.int64)
-
-
-@compiled_as(sections_of, _type_of_sections, 2)
+@compiled_as(sections_of, lambda memory, _thread: SECTIONS(memory, types.int64), 2)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     memory, thread = arguments
-    return packed(
-        context, builder, SECTIONS, [context.make_array(signature.args[0])(context, builder, memory).data, thread]
-    )
-
-
-def _type_of_section(_sections: Any, name: str) -> Any:
-    shape = _SHAPES[name]
-    return ArrayAt(from_dtype(DTYPES[name]), len(shape.sizes) - shape.by_thread)
-
-
-@fields_as(SectionsAt, _type_of_section)
-def _(context: Any, builder: Any, of: Any, sections: Any, name: str) -> Any:
-    memory, thread = unpacked(builder, sections)
-    one, by_thread = _type_of_section(of, name), _SHAPES[name].by_thread
-    directory = builder.bitcast(memory, _DIRECTORY_AT)
-    places = range(_INDICES[name], _INDICES[name] + 1 + one.ndim + by_thread)
-    begin, *shape = (constant_at(builder, builder.gep(directory, [INT64(place)])) for place in places)
-    if by_thread:
-        shape = shape[1:]
-        size = builder.mul(product(builder, shape), INT64(one.dtype.bitwidth // 8))
-        begin = builder.add(begin, builder.mul(thread, size))
-    numbers = context.get_value_type(types.CPointer(one.dtype))
-    return packed(context, builder, one, [builder.bitcast(builder.gep(memory, [begin]), numbers), *shape])
+    return cgutils.pack_struct(builder, [context.make_array(signature.args[0])(context, builder, memory).data, thread])

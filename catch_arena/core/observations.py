@@ -292,7 +292,7 @@ def chunk_after(chunks: NDArray[np.float64], first_arena: int) -> Rows:
     """Return the chunk that is played next, if it comes from memory and is not large; otherwise an empty one."""
     size = chunks.shape[1]
     begin = (first_arena // LANES + 1) * size
-    return flat(chunks)[begin : begin + (size if chunks.size > _CACHED and size < _LARGE else 0)]
+    return flat(chunks)[begin : begin + (size if len(flat(chunks)) > _CACHED and size < _LARGE else 0)]
 
 
 @phase

@@ -21,8 +21,8 @@ from numba import types
 from numba.core import cgutils
 from numba.extending import lower_cast, models, register_model
 
-from catch_arena.core.addresses import ArrayAt
-from catch_arena.core.extending import INT32, Emitter, compiled_as, unpacked
+from catch_arena.core.addresses import ArrayAt, parts_of
+from catch_arena.core.extending import INT32, Emitter, compiled_as
 from catch_arena.core.jit import rule
 from catch_arena.core.modes import COMPILER
 
@@ -253,7 +253,7 @@ def _(_context: Any, builder: Any, _signature: Any, both: Any) -> Any:
 
 def pointer_to(context: Any, builder: Any, array: Any, first: Any, of: Any) -> Any:
     """Return a pointer to one or more numbers of an `ArrayAt`; `first` must not be negative."""
-    data, size = unpacked(builder, array)
+    data, (size,) = parts_of(builder, array)
     if context.enable_boundscheck:
         last = builder.add(first, first.type(of.count - 1 if isinstance(of, Vector) else 0))
         for index in (first, last):
