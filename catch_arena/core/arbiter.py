@@ -82,14 +82,7 @@ def first_failed_test(
     `controllers.look_up_choices` finds ranks without a target; `judge` finds duplicates.
 
     Args:
-        policy: NEAREST, FIRST_COME or CAPSTONE.
         target: the requested slot or number, or a code: MALFORMED_REQUEST, NEVER_SPAWNED, ALREADY_GONE.
-        distance_um: distance to the target [micrometres].
-        reach_um: reach of the hunter [micrometres].
-        inactive: whether the hunter is withdrawn.
-        duplicate: whether the hunter has an earlier request in this step.
-        over: whether the episode has ended.
-        service_up: whether the kill service answers.
     """
     if over:
         return Verdict.MATCH_OVER
@@ -121,15 +114,7 @@ def is_preferred(
     rival_seat: int,
     rival_distance_um: int,
 ) -> bool:
-    """R5.4, R5.5, R5.9: return whether a seat is preferred to a rival for the target that both may catch.
-
-    Args:
-        policy: NEAREST or FIRST_COME.
-        seat: the seat that may be preferred.
-        distance_um: distance of that seat [micrometres].
-        rival_seat: the rival's seat.
-        rival_distance_um: distance of the rival [micrometres].
-    """
+    """R5.4, R5.5, R5.9: return whether a seat is preferred to a rival for the target that both may catch."""
     if policy == FIRST_COME:
         mine = service_lot(seed, step, seat)
         other = service_lot(seed, step, rival_seat)
@@ -158,10 +143,6 @@ def judge(
         requests: the request table; REQUEST_VERDICT and REQUEST_WINNER are written, and REQUEST_DISTANCE becomes
             NOT_MEASURED if reach was not tested.
         policy: NEAREST, FIRST_COME or CAPSTONE (R5.9, R9.1).
-        seed: the arena's seed, from which lots are drawn (A.5).
-        step: number of steps played before this one.
-        over: whether the episode has ended (R1.5).
-        service_up: whether the kill service answers in this step (R8.3).
         partners_needed: number of partners that a catch needs, hunters_per_catch - 1 (R5.10).
     """
     for i in range(len(requests)):
@@ -192,10 +173,8 @@ def judge(
 
 @outlined
 def refuse_without_partners(requests: RequestTable, partners_needed: int) -> None:
-    """R5.10: refuse the requests in which too few hunters of one team may catch the same target.
-
-    Args:
-        requests: the request table; requests that fail no earlier test have the verdict ELIGIBLE so far.
+    """R5.10: refuse the requests in which too few hunters of one team may catch the same target. Requests
+    that fail no earlier test have the verdict ELIGIBLE so far.
     """
     for i in range(len(requests)):
         if requests[i, REQUEST_VERDICT] == ELIGIBLE:
@@ -213,11 +192,8 @@ def refuse_without_partners(requests: RequestTable, partners_needed: int) -> Non
 
 @outlined
 def decide_contest(requests: RequestTable, one: int, policy: int, seed: np.uint64, step: int) -> None:
-    """R5.4 to R5.7: write the verdicts of all requests in one contest, those that may catch the same target.
-
-    Args:
-        requests: the request table; requests that may catch a target have the verdict ELIGIBLE so far.
-        one: the row of a request of this contest, the first in the table.
+    """R5.4 to R5.7: write the verdicts of all requests in one contest, those that may catch the same target. They have
+    the verdict ELIGIBLE so far; `one` is the first row among them.
     """
     target = requests[one, REQUEST_TARGET]
     best = one

@@ -57,12 +57,8 @@ def collect_requests(chunk: Rows, s: Settings, lane: int, sections: Sections, ta
 def fill_requests(
     chunk: Rows, s: Settings, lane: int, targets: Rows, requests: RequestTable, sections: Sections
 ) -> None:
-    """Write the arbiter's facts about each request, as they are in S_t.
-
-    Args:
-        requests: the request table of the lane with its seats and slots, or codes in the place of slots; the columns
-            from REQUEST_NUMBER to REQUEST_TEAM are written.
-        sections: see `memory.Sections`; its limits and teams are read.
+    """Write the arbiter's facts about each request, as they are in S_t: the columns from REQUEST_NUMBER to
+    REQUEST_TEAM. The table has the seats, and the slots or codes in their place.
     """
     seed = seed_of(chunk, lane)
     step = chunk[rows.STEP + lane]
@@ -90,11 +86,7 @@ def fill_requests(
 
 @phase
 def judge_requests(chunk: Rows, s: Settings, lane: int, requests: RequestTable) -> None:
-    """R1.4's phase 3 in one lane: judge the request table, and keep the ruling on each hunter's first request.
-
-    Args:
-        requests: the request table of the lane; its verdicts and winners are written.
-    """
+    """R1.4's phase 3 in one lane: judge the request table, and keep the ruling on each hunter's first request."""
     seed, step = seed_of(chunk, lane), int(chunk[rows.STEP + lane])
     over = chunk[rows.ENDED + lane] != rows.RUNNING
     service_up = not kill_service_down(seed, step, s.kill_down_rate)
@@ -119,10 +111,6 @@ def commit(chunk: Rows, s: Settings, lane: int, targets: Rows, requests: Request
     """R1.4's phase 4 in one lane: credit the grants, and remove the targets whose kill is not refused (R5.7, R5.8).
 
     Under `capstone` a grant counts even if the kill is refused, and several hunters may have one for the same target.
-
-    Args:
-        requests: the request table of the lane, judged.
-        sections: see `memory.Sections`; the progress references are renewed.
     """
     for i in range(len(requests)):
         if requests[i, REQUEST_VERDICT] == Verdict.GRANTED:

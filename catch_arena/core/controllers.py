@@ -99,13 +99,7 @@ def look_up_choices(
 def drive_to_target(
     me: Rows, s: Settings, width: Width, active_targets: Rows, limits: SeatLimits, requested: Rows
 ) -> None:
-    """R4.1, R4.2, R4.3: drive to active targets by the hosted controllers, and drop requests for targets out of reach.
-
-    Args:
-        me: the rows of the seat; its velocities, integrals and active target are written.
-        active_targets: see `look_up_choices`.
-        requested: the result of `look_up_choices`; NO_TARGET is written if the target is out of reach.
-    """
+    """R4.1, R4.2, R4.3: drive to active targets by hosted controllers, and drop requests for targets out of reach."""
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         dx = active_targets[ACTIVE_X + lane] - me[rows.X + lane]
@@ -166,9 +160,6 @@ def drive_by_command(
 ) -> None:
     """R2.5, R4.4: set velocities from fractions of the limits; a hunter whose request names a rank without a target
     holds (R5.2).
-
-    Args:
-        me: the rows of the seat; its velocities are written.
     """
     for lane in range(lanes):
         me[rows.SPEED + lane] = np.float64(commands[lane, seat, 0]) * limits.max_speed
@@ -198,11 +189,7 @@ def steer_seat(
     requested: Rows,
     active_targets: Rows,
 ) -> None:
-    """R4.1, R4.4: steer one seat by one control, in all lanes.
-
-    Args:
-        control: TARGET_CONTROL, VELOCITY_CONTROL or FULL_CONTROL.
-    """
+    """R4.1, R4.4: steer one seat by one control, in all lanes."""
     if control == TARGET_CONTROL:
         look_up_choices(me, s, lanes, seat, order, targets, choices, requested, active_targets)
         drive_to_target(me, s, width, active_targets, limits, requested)
@@ -271,11 +258,7 @@ def apply_actions(
     commands: NDArray[np.float32],
     sections: Sections,
 ) -> None:
-    """R1.4's phases 1 and 2: turn actions into velocities and requested slots, on S_t.
-
-    Args:
-        sections: see `memory.Sections`; the requested slots and the progress references are written.
-    """
+    """R1.4's phases 1 and 2: turn actions into velocities and requested slots, on S_t."""
     targets, active_targets = targets_of(chunk, s), sections.scratch_rows
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)

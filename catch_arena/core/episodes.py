@@ -19,11 +19,7 @@ from catch_arena.core.vectors import LANES, Width, group, played_lanes, select
 
 @outlined
 def write_record(chunk: Rows, s: Settings, lane: int, teams: NDArray[np.int64], record: NDArray[np.float32]) -> None:
-    """Write the records of one lane's episode as it is now.
-
-    Args:
-        record: the result, (N, figures); the rows of the hunters are written.
-    """
+    """Write the hunters' records of one lane's episode as it is now; `record`, (N, figures), is the result."""
     score = rows.FINAL_TEAM_SCORE if s.has_teams else rows.FINAL_SCORE
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
@@ -97,11 +93,7 @@ def any_ended(chunk: Rows, lanes: int) -> bool:
 
 @phase
 def write_ends(chunk: Rows, lanes: int, ends: NDArray[np.int8]) -> None:
-    """R1.5: write the state of each episode for callers outside the core.
-
-    Args:
-        ends: the result, (lanes,): RUNNING, TERMINATED or TRUNCATED.
-    """
+    """R1.5: write the state of each episode, RUNNING, TERMINATED or TRUNCATED, for callers outside the core."""
     for lane in range(lanes):
         ends[lane] = np.int8(chunk[rows.ENDED + lane])
 
@@ -117,9 +109,6 @@ def take_snapshot(chunk: Rows, snapshot: Rows) -> None:
 def restore_finished(chunk: Rows, s: Settings, lanes: int, sections: Sections, rewards: Rewards, parts: Parts) -> None:
     """R1.5: restore the arenas that had ended before this step, since nothing moves after the end. They were played
     with their chunk; only their answers stay, which are MATCH_OVER (R5.2).
-
-    Args:
-        sections: see `memory.Sections`; its snapshot is the chunk before the step.
     """
     for lane in range(lanes):
         if sections.snapshot[rows.ENDED + lane] == rows.RUNNING:

@@ -196,13 +196,8 @@ def time_left_at(chunk: Rows, s: Settings, lane: int) -> float:
 
 @phase
 def put_rank(place: Place, present: bool, seen: tuple[float, ...], is_last: bool) -> None:
-    """Write the columns of one rank, in the lanes of one group.
-
-    Args:
-        present: whether anything is at the rank; otherwise zeros are written.
-        seen: columns of the rank.
-        is_last: whether the rank has the last columns: then no numbers are written after it, since nothing would
-            overwrite them.
+    """Write the columns of one rank, or zeros if nothing is there, in the lanes of one group. After the last rank's
+    columns no other number is written, since nothing would overwrite it.
     """
     columns = where_present(present, seen)
     if is_last:

@@ -159,11 +159,7 @@ def blur_seen(
     tiles: Rows,
     place: Place,
 ) -> None:
-    """R7.6: add the errors to the positions that one seat sees, and write them again.
-
-    Args:
-        kind: TARGET_KIND or RIVAL_KIND.
-    """
+    """R7.6: add the errors to the positions that one seat sees, and write them again."""
     of_targets = kind == TARGET_KIND
     columns = target_width(s) if of_targets else rival_width(s)
     for lane in range(first, first + len(width)):
@@ -198,9 +194,6 @@ def rival_width(s: Settings) -> int:
 def write_masks(chunk: Rows, s: Settings, lanes: int, orders: Orders, masks: Masks) -> None:
     """R7.2: update the masks, 1 for hold and for ranks that have a target. They change rarely; with a full view, all
     seats of an arena change together.
-
-    Args:
-        masks: the result, (lanes, H, K + 1).
     """
     ranks = s.targets_seen
     for lane in range(lanes):
@@ -217,14 +210,7 @@ def write_masks(chunk: Rows, s: Settings, lanes: int, orders: Orders, masks: Mas
 
 @phase
 def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) -> None:
-    """Copy observations from the staging section to their place, past the caches.
-
-    Args:
-        staging: the observations of a group of lanes.
-        count: number of numbers to copy.
-        out: observations, flat.
-        at: offset of the copy in `out`.
-    """
+    """Copy `count` numbers of a group's observations from the staging section to out[at], past the caches."""
     whole = count - count % STREAMED
     offset = 0
     while offset < whole:  # not a range: with Numba's a large batch is a quarter slower
@@ -236,10 +222,8 @@ def copy_to_observations(staging: Numbers, count: int, out: Numbers, at: int) ->
 
 @phase
 def prefetch_part(next_chunk: Rows, part: int, parts: int) -> None:
-    """Prefetch one of several equal parts of the next chunk. All parts together would make the current chunk wait too.
-
-    Args:
-        next_chunk: the next chunk; or empty.
+    """Prefetch one of several equal parts of the next chunk. All parts together would make the current chunk wait
+    too.
     """
     at, end = len(next_chunk) * part // parts, len(next_chunk) * (part + 1) // parts
     while at < end:  # see `copy_to_observations`
@@ -255,9 +239,6 @@ def write(
 
     They are written in place, with two exceptions that use the staging section: a group with lanes without an arena,
     and a batch so large that its observations should go past the caches, in the order of the memory.
-
-    Args:
-        sections: see `memory.Sections`; the hunters' observations are written.
     """
     next_chunk = chunk_after(sections.chunks, first_arena)
     columns, out = sections.observations.shape[2], flat(sections.observations)
@@ -299,12 +280,8 @@ def chunk_after(chunks: NDArray[np.float64], first_arena: int) -> Rows:
 def rank_seen(
     chunk: Rows, s: Settings, first: int, width: Width, lanes: int, orders: Orders, slots: int, sections: Sections
 ) -> None:
-    """R7.1: rank the targets and rivals that each hunter sees, in the lanes of one group. One group's numbers, which
-    are read again and again, stay in the first cache.
-
-    Args:
-        orders: the result for targets.
-        sections: see `memory.Sections`; the rivals' orders are the result for rivals.
+    """R7.1: rank the targets (in `orders`) and rivals (in the section) that each hunter sees, in the lanes of one
+    group. One group's numbers, which are read again and again, stay in the first cache.
     """
     keys, targets, hunters = sections.keys, targets_of(chunk, s), chunk[seat_at(0) : seat_at(s.hunters)]
     if s.hunters_seen > 0:

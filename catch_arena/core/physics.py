@@ -21,11 +21,7 @@ def next_pose(
     x: float, y: float, sine: float, cosine: float, stride: float, turn_sine: float, turn_cosine: float, side: float
 ) -> tuple[float, float, float, float, bool]:
     """R2.2, R2.3: return position and heading after one tick, and whether a wall held it; the heading turns first.
-
-    Args:
-        stride: distance moved in a tick [m].
-        turn_sine: sine of the angle turned in a tick.
-        turn_cosine: cosine of the angle turned in a tick.
+    In a tick the body moves by `stride` [m], and turns by the angle of `turn_sine` and `turn_cosine`.
     """
     next_sine = sine * turn_cosine + cosine * turn_sine
     next_cosine = cosine * turn_cosine - sine * turn_sine
@@ -50,13 +46,7 @@ def ticks_until(time_ms: float) -> float:
 
 @phase
 def move_body(me: Rows, width: Width, side: float, most: int, ticks: Rows) -> None:
-    """R2.2, R2.3: move one body by all ticks of a step.
-
-    Args:
-        me: the rows of the body; its pose and AT_WALL are written.
-        most: greatest number of ticks in any lane.
-        ticks: number of ticks of each lane, one row.
-    """
+    """R2.2, R2.3: move one body by all ticks of a step: `ticks` has their number in each lane, `most` the greatest."""
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
         x, y, sine, cosine = me[rows.X + lane], me[rows.Y + lane], me[rows.SINE + lane], me[rows.COSINE + lane]

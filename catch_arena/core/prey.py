@@ -40,11 +40,7 @@ def begin_prey(chunk: Rows, s: Settings, lane: int) -> None:
 def command_prey(
     chunk: Rows, s: Settings, lanes: int, targets: Rows, commands: NDArray[np.float32], sections: Sections
 ) -> None:
-    """R12.2, R12.5: set prey's velocities for this step, and note the distances from which the gain is counted.
-
-    Args:
-        sections: see `memory.Sections`; the references are written.
-    """
+    """R12.2, R12.5: set prey's velocities for this step, and note the distances from which the gain is counted."""
     for index in range(s.prey):
         me, agent = prey_of(chunk, s, index), s.hunters + index
         reference = sections.prey_references[index]
@@ -138,12 +134,8 @@ def reward_prey(
     rewards: NDArray[np.float64],
     parts: NDArray[np.float64],
 ) -> None:
-    """R12.5: write the weighted sum of the parts, and the parts if they are kept.
-
-    Args:
-        had_ended: whether some arenas had ended before this step: prey in those gets nothing.
-        rewards: (lanes, N), of which prey's are written.
-        parts: (lanes, P, parts), in the order of `state.PREY_PART_NAMES`; or empty.
+    """R12.5: write the weighted sum of the parts, and the parts if they are kept. `had_ended`: some arenas had ended
+    before this step; prey in those gets nothing.
     """
     for index in range(s.prey):
         me = prey_of(chunk, s, index)
@@ -173,11 +165,7 @@ def is_ahead(one: Rows, other: Rows, lane: int) -> bool:
 
 @outlined
 def write_prey_records(chunk: Rows, s: Settings, lane: int, record: NDArray[np.float32]) -> None:
-    """Write the records of one lane's episode as it is now.
-
-    Args:
-        record: the result, (N, figures); the rows of prey are written.
-    """
+    """Write prey's records of one lane's episode as it is now; `record`, (N, figures), is the result."""
     for index in range(s.prey):
         me = prey_of(chunk, s, index)
         rank = 1.0

@@ -52,11 +52,8 @@ def rank_bodies(me: Rows, first: int, width: Width, lanes: int, bodies: Bodies, 
 def write_bodies(
     me: Rows, first: int, width: Width, bodies: Bodies, is_last: bool, sections: Sections, place: Place
 ) -> None:
-    """R12.4: write one prey's view of bodies, in the lanes of one group.
-
-    Args:
-        is_last: whether the last rank has the last columns of the observation: see `features.put_rank`.
-        sections: see `memory.Sections`; its keys are the result of `rank_bodies`.
+    """R12.4: write one prey's view of the bodies that `rank_bodies` has ranked, in the lanes of one group. `is_last`:
+    the last rank has the last columns of the observation.
     """
     lane = group(first, width)
     observer = body_tile(me, 0.0, lane)
@@ -73,11 +70,7 @@ def write_bodies(
 
 @phase
 def write_self(chunk: Rows, me: Rows, s: Settings, first: int, width: Width, caught: Rows, place: Place) -> None:
-    """R12.4: write one prey's view of itself, in the lanes of one group.
-
-    Args:
-        caught: number of times it was caught, one row.
-    """
+    """R12.4: write one prey's view of itself, in the lanes of one group; `caught`: its row TIMES_CAUGHT."""
     lane = group(first, width)
     own = PreySelfFeatures(
         x=me[rows.X + lane],
@@ -98,9 +91,7 @@ def write_prey(
     chunk: Rows, s: Settings, first: int, width: Width, lanes: int, sections: Sections, place: Place
 ) -> None:
     """R12.4, R12.3: write the observations of all prey, in the lanes of one group; `gather_prey` comes first.
-
-    Args:
-        place: where the observation of the first hunter is written.
+    At `place` the observation of the first hunter is written.
     """
     columns = sections.observations.shape[2]
     for index in range(s.prey):

@@ -24,13 +24,8 @@ FAR: Final = 0x7F800000
 
 @rule
 def key_of(dx: float, dy: float, item: int) -> int:
-    """R7.1: return an int32 that sorts by distance and then by slot or seat. It holds the squared distance as float32,
-    whose bits sort as it does, rounded so that the last six bits have room for `item`.
-
-    Args:
-        dx: eastern distance from the observer [m].
-        dy: northern distance from the observer [m].
-        item: the slot or seat, below MOST.
+    """R7.1: return an int32 that sorts by distance and then by `item`, the slot or seat. It holds the squared distance
+    as float32, whose bits sort as it does, rounded so that the last six bits have room for the item.
     """
     return ((single_bits(dx * dx + dy * dy) + 32) & ~_SLOTS) | item
 
@@ -49,12 +44,8 @@ def are_equally_far(nearer: int, farther: int) -> bool:
 
 @phase
 def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> None:
-    """Sort the keys of every lane of a group, as far as they are read.
-
-    Args:
-        keys: by slot or seat, rows of LANES; sorted in place, the smallest first.
-        count: number of rows that have keys.
-        ranks: number of the smallest keys that are needed in order; the others follow in any order.
+    """Sort the first `count` rows of keys in place, in the lanes of one group. The smallest `ranks` come first, in
+    order; the others follow in any order.
     """
     lane = group(first, width)
     for rank in range(min(ranks, count)):
@@ -69,14 +60,7 @@ def sort_keys(keys: Keys, count: int, ranks: int, first: int, width: Width) -> N
 
 @phase
 def write_order(keys: Keys, there: int, ranks: int, first: int, width: Width, order: Order) -> None:
-    """Write the slots or seats of the first keys, in the lanes of one group.
-
-    Args:
-        keys: sorted as far as they are read: rows of LANES.
-        there: number of rows that have keys.
-        ranks: number of ranks to write.
-        order: the result.
-    """
+    """Write the order of the first keys, in the lanes of one group. If only `there` rows have keys, ABSENT follows."""
     lane = group(first, width)
     for rank in range(ranks):
         if rank < there:
@@ -97,10 +81,8 @@ def rank_targets(
     reach_um: float,
     keys: Keys,
 ) -> None:
-    """R7.1, R7.5: rank the alive targets by distance, then by spawn number; slots are in spawning order.
-
-    Args:
-        keys: the result, rows of LANES: the keys of the nearest in the first rows, in order.
+    """R7.1, R7.5: rank the alive targets by distance, then by spawn number; slots are in spawning order. The first rows
+    of `keys` are the result.
     """
     lane = group(first, width)
     x, y, sine, cosine = me[rows.X + lane], me[rows.Y + lane], me[rows.SINE + lane], me[rows.COSINE + lane]
@@ -118,10 +100,8 @@ def rank_targets(
 @phase
 def note_positions(chunk: Rows, s: Settings, first: int, width: Width, positions: Rows) -> None:
     """Write the positions of all hunters, side by side for all observers, in the lanes of one group. A withdrawn hunter
-    is infinitely far, so that no hunter sees it (R1.6).
-
-    Args:
-        positions: the result [m]: x and y by seat, each as many numbers as the group has lanes.
+    is infinitely far, so that no hunter sees it (R1.6). The result is x and y by seat [m], each as many numbers as the
+    group has lanes.
     """
     lane = group(first, width)
     for seat in range(s.hunters):
@@ -135,11 +115,7 @@ def note_positions(chunk: Rows, s: Settings, first: int, width: Width, positions
 def measure_rivals(
     chunk: Rows, s: Settings, first: int, width: Width, seat: int, reach_um: float, positions: Rows, keys: Keys
 ) -> None:
-    """R7.1, R7.5: write the keys of the other hunters that are seen, in the lanes of one group.
-
-    Args:
-        keys: the result, by seat, rows of LANES.
-    """
+    """R7.1, R7.5: write the keys of the other hunters that are seen, by seat, in the lanes of one group."""
     me, lane = seat_of(chunk, seat), group(first, width)
     x, y, sine, cosine = me[rows.X + lane], me[rows.Y + lane], me[rows.SINE + lane], me[rows.COSINE + lane]
     for other in range(s.hunters):
@@ -181,10 +157,7 @@ def body_in(bodies: Bodies, item: int) -> Rows:
 @rule
 def lead(me: Rows, one: Rows, other: Rows, lane: int) -> float:
     """R7.1, R12.4: compare two equally far bodies: the one seen further left comes first, then further forward, and so
-    on.
-
-    Returns:
-        a number above 0 if `one` comes first, below 0 if `other` does, and 0 if they look alike.
+    on. Return a number above 0 if `one` comes first, below 0 if `other` does, and 0 if they look alike.
     """
     observer = body_tile(me, 0.0, lane)
     a, b = body_seen(observer, body_tile(one, 0.0, lane)), body_seen(observer, body_tile(other, 0.0, lane))
@@ -217,10 +190,7 @@ def has_more_catches(one: Rows, other: Rows, lane: int, listed_first: bool) -> b
 @rule
 def any_tied(keys: Keys, ranks: int, lane: int) -> bool:
     """R7.1, R12.4: return for each lane whether two seen bodies, or the last one and the next, are equally far.
-
-    Args:
-        keys: sorted by distance up to one rank after `ranks`, at least two rows of LANES.
-        ranks: number of bodies that are seen.
+    The keys are sorted up to that one; there are at least two.
     """
     tied = are_equally_far(keys[lane], keys[LANES + lane])
     for rank in range(1, ranks):
@@ -232,14 +202,7 @@ def any_tied(keys: Keys, ranks: int, lane: int) -> bool:
 def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
     """R7.1: gather all bodies that are as far as the last seen one, if the first beyond the view is equally far: it may
     have to come before the last one. They then follow right after it, in the place of those farther away.
-
-    Args:
-        ranks: number of bodies that are seen, at least one; the next one is the first beyond the view.
-        total: number of bodies.
-        keys: as `sort_keys` leaves them, rows of LANES.
-
-    Returns:
-        number of keys, from the first on, that must be sorted.
+    Return the number of keys, from the first on, that must be sorted.
     """
     edge = keys[ranks * LANES + lane]
     if not are_equally_far(keys[(ranks - 1) * LANES + lane], edge):
@@ -257,13 +220,8 @@ def gather_ties(lane: int, ranks: int, total: int, keys: Keys) -> int:
 def sort_ties(
     me: Rows, first: int, last: int, bodies: Bodies, ranks: int, teams: NDArray[np.int64], keys: Keys, tied: Rows
 ) -> None:
-    """R7.1, R12.4: sort equally far bodies among themselves, in the lanes from `first` to before `last`, by insertion.
-
-    Args:
-        ranks: number of the nearest bodies that must be in order.
-        teams: see `memory.Sections`.
-        keys: as `sort_keys` leaves them; sorted in place.
-        tied: 1 in the lanes in which two of the nearest, or the last of them and the next, are equally far.
+    """R7.1, R12.4: sort the keys of equally far bodies by insertion, as far as the first `ranks` need it. This is done
+    in the lanes from `first` to before `last` in which `tied` is 1.
     """
     for lane in range(first, last):
         if tied[lane] == 0.0:
@@ -292,11 +250,8 @@ def sort_ties(
 
 @phase
 def order_bodies(me: Rows, first: int, width: Width, lanes: int, bodies: Bodies, sections: Sections) -> None:
-    """R7.1, R12.4: sort measured bodies by distance, then by their appearance, in the lanes of one group. This is the
-    order in observations; `arbiter.is_preferred` decides contests.
-
-    Args:
-        sections: see `memory.Sections`; its keys are the result, those of the nearest in the first rows, in order.
+    """R7.1, R12.4: sort the keys of measured bodies by distance, then by their appearance, in the lanes of one group.
+    This is the order in observations; `arbiter.is_preferred` decides contests.
     """
     keys, tied, lane = sections.keys, sections.scratch_rows, group(first, width)
     # one rank more than is seen, to notice a tie at the edge of the view

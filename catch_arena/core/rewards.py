@@ -64,12 +64,7 @@ def renew_progress_reference(
 
 @phase
 def count_catches(chunk: Rows, s: Settings, width: Width, sections: Sections, catches: Rows) -> None:
-    """R11.2: count the grants of this step, in total and for each team, under the seat that stands for the team.
-
-    Args:
-        sections: see `memory.Sections`; the teams' catches are a result if there are teams.
-        catches: the result, one row.
-    """
+    """R11.2: count the grants of this step, in total and for each team, under the seat that stands for the team."""
     teams, team_rows = sections.teams, sections.team_rows
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
@@ -87,11 +82,7 @@ def count_catches(chunk: Rows, s: Settings, width: Width, sections: Sections, ca
 
 @outlined
 def share_rewards(chunk: Rows, s: Settings, width: Width, lanes: int, sections: Sections, rewards: Rewards) -> None:
-    """R11.2: write each seat's mix of its own earnings and the mean of its team.
-
-    Args:
-        sections: see `memory.Sections`; the earnings of each seat are in the team rows.
-    """
+    """R11.2: write each seat's mix of its own earnings, which are in the team rows, and the mean of its team."""
     teams, earned, row = sections.teams, sections.team_rows[s.hunters * LANES :], sections.scratch_rows
     for seat in range(s.hunters):
         me, leader = seat_of(chunk, seat), teams[seat]

@@ -14,11 +14,7 @@ from catch_arena.core.vectors import LANES
 @rule
 def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: float) -> tuple[float, float, float]:
     """R3.2, R3.3: return the pose at which the target of a number appears: x, y [m], theta [rad] in [0, 2 pi).
-
-    Args:
-        low: the least coordinate [m].
-        high: the upper bound of coordinates, not included [m].
-        last: the greatest number below that bound [m].
+    Coordinates lie in [low, high) [m]; `last` is the greatest number below `high`.
     """
     key = stream(seed, PLACE)
     first = np.uint64(3) * (np.uint64(number) - np.uint64(1))
@@ -110,11 +106,7 @@ def spawn_through(chunk: Rows, s: Settings, lanes: int, targets: Rows) -> None:
 
 @entry
 def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int:
-    """R8.1: add a target outside the timer.
-
-    Returns:
-        its number; 0 if the arena is full (R3.5).
-    """
+    """R8.1: add a target outside the timer, and return its number; 0 if the arena is full (R3.5)."""
     sections = sections_of(memory, 0)
     s = settings_in(sections.settings, ALL_OPTIONS)
     chunk, lane = sections.chunks[arena // LANES], arena % LANES

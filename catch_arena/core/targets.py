@@ -27,13 +27,7 @@ def push(position: float, side: float) -> float:
 
 @rule
 def steered(east: float, north: float, sine: float, cosine: float, most: float) -> float:
-    """R3.9, R3.10: return the turn rate towards a direction, in [-most, most] [rad/s]; the error is R4.2's.
-
-    Args:
-        east: eastern part of the direction, in any unit.
-        north: northern part of the direction, in that unit.
-        most: the greatest turn rate [rad/s].
-    """
+    """R3.9, R3.10: return the turn rate towards a direction, in [-most, most] [rad/s]; the error is R4.2's."""
     error = below_pi(atan2(cosine * north - sine * east, cosine * east + sine * north))
     return clamp(STEERING_GAIN * error, -most, most)
 
@@ -109,11 +103,7 @@ def find_threats(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: in
 @phase
 def steer(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int, threats: Rows) -> None:
     """R3.9, R3.10: command the targets in one slot: away from a threat, else to the centre if a wall held them, else on
-    in an arc.
-
-    Args:
-        slot: the slot of the targets; their speeds and turn rates are written.
-        threats: as `find_threats` writes them; read if targets flee.
+    in an arc. If targets flee, `find_threats` comes first.
     """
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)
@@ -144,11 +134,7 @@ def steer(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int, thre
 
 @phase
 def command_targets(chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, threats: Rows) -> None:
-    """R3.8: command every moving target for this step.
-
-    Args:
-        threats: room for three rows: see `find_threats`.
-    """
+    """R3.8: command every moving target for this step; `threats` is room for the rows of `find_threats`."""
     for slot in range(most_alive(chunk, lanes)):
         keep_wandering(chunk, s, lanes, targets, slot)
         if s.target_motion == FLEEING:

@@ -91,12 +91,10 @@ def run(
     Args:
         kind: what the code is compiled for: number of lanes that play together, number of lanes that observe together,
             and its options, see `state.Options`.
-        memory: the memory of all arenas: see `memory.Sections`.
         thread: the thread whose scratch sections are used, from 0 up.
         first_chunk: the first chunk that is played and observed.
         stop_chunk: the chunk after the last one.
         resets: (n, 2), arenas and the seeds with which they begin.
-        playing: whether a step is played.
         choices: (B, H), ranks or 0; may be empty if no seat's control reads them.
         commands: (B, N, 2), fractions of the limits in [-1, 1], of the hunters and then of prey; may be empty if no
             agent reads them.

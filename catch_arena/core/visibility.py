@@ -20,11 +20,7 @@ _SPREAD: Final = 1.7320508075688772
 @rule
 def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s: Settings) -> bool:
     """R7.5: return whether a hunter sees a body: near enough and in front of it, or within its reach.
-
-    Args:
-        dx: eastern distance to the body [m]; infinite for a body that no hunter sees.
-        dy: northern distance to the body [m].
-        reach_um: the hunter's own reach [micrometres].
+    Distances are in metres; `dx` is infinite for a body that no hunter sees.
     """
     distance_um = measure_um(dx, dy)
     seen = distance_um < s.view_radius_um
@@ -35,23 +31,14 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s
 
 @rule
 def blur_key(seed: np.uint64, step: float, observer: int, kind: np.uint64) -> np.uint64:
-    """R7.6: return the key of the errors in one hunter's view.
-
-    Args:
-        observer: the seat that sees.
-        kind: TARGET_KIND or RIVAL_KIND.
-    """
+    """R7.6: return the key of the errors in one hunter's view, in those of targets or of rivals."""
     return draw(draw(draw(stream(seed, VIEW_NOISE), np.uint64(step)), np.uint64(observer)), kind)
 
 
 @rule
 def blur(key: np.uint64, axis: int, noise: float) -> float:
-    """R7.6: return the error that is added to a seen position along one axis [m].
-
-    Args:
-        key: draw(blur_key(...), the target's number or the rival's seat).
-        axis: 0 for forward, 1 for left.
-        noise: the standard deviation [m].
+    """R7.6: return the error that is added to a seen position along one axis, 0 for forward or 1 for left [m]. The key
+    is draw(blur_key(...), the target's number or the rival's seat); `noise` is the standard deviation [m].
     """
     own = draw(key, np.uint64(axis))
     total = fraction(draw(own, np.uint64(0))) + fraction(draw(own, np.uint64(1)))
