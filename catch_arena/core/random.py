@@ -6,10 +6,9 @@ SplitMix64's finaliser: Steele, Lea and Flood, «Fast splittable pseudorandom nu
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
 
 from catch_arena.core import rows
-from catch_arena.core.jit import Rows, entry, rule
+from catch_arena.core.jit import Rows, rule
 
 _GOLDEN: Final = np.uint64(0x9E3779B97F4A7C15)
 _FIRST: Final = np.uint64(0xBF58476D1CE4E5B9)
@@ -122,17 +121,3 @@ def drops_out(seed: np.uint64, step: float, seat: int, rate: float) -> bool:
 def next_seed(seed: np.uint64) -> np.uint64:
     """A.5: return the seed of the episode after this one, if a reset names none."""
     return draw(stream(seed, NEXT_EPISODE), np.uint64(0))
-
-
-@entry
-def advance_seeds(seeds: NDArray[np.uint64]) -> None:
-    """A.5: replace each seed by that of the next episode: (n,)."""
-    for i in range(len(seeds)):
-        seeds[i] = next_seed(seeds[i])
-
-
-@entry
-def derive_row_seeds(seed: np.uint64, seeds: NDArray[np.uint64]) -> None:
-    """A.5: write the seeds of a batch's rows, which follow from the one seed of its reset: (B,)."""
-    for row in range(len(seeds)):
-        seeds[row] = draw(stream(seed, BATCH_ROW), np.uint64(row))
