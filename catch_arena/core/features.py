@@ -18,11 +18,9 @@ from catch_arena.core.transfers import TILE, Place, put_exactly, put_rows, where
 from catch_arena.core.vectors import Width, group, select
 from catch_arena.layout import (
     BodyFeatures,
-    MotionFeatures,
     MovingTargetFeatures,
     RivalFeatures,
     TargetFeatures,
-    TeamFeatures,
     TeamRivalFeatures,
 )
 
@@ -145,23 +143,15 @@ def body_seen(me: BodyTile, body: BodyTile) -> BodyFeatures:
 @rule
 def rival_seen(me: BodyTile, rival: BodyTile) -> RivalFeatures:
     """R7.1: return the features of a hunter in another hunter's view."""
-    body = body_seen(me, rival)
-    return RivalFeatures(
-        forward=body.forward,
-        left=body.left,
-        present=body.present,
-        heading_cos=body.heading_cos,
-        heading_sin=body.heading_sin,
-        linear_velocity=body.linear_velocity,
-        score_difference=rival.score - me.score,
-    )
+    score_difference = rival.score - me.score
+    return RivalFeatures(*body_seen(me, rival)[:], score_difference)  # Numba unpacks plain tuples only
 
 
 @rule
 def team_rival_seen(me: BodyTile, rival: BodyTile, team: float) -> Any:
     """R7.4: return the features of a rival if there are teams, a `layout.TeamRivalFeatures`; `team`: the observer's."""
-    seen, in_teams = rival_seen(me, rival), TeamFeatures(mate=select(rival.team == team, 1.0, 0.0))
-    return TeamRivalFeatures(*seen[:], *in_teams[:])  # Numba unpacks plain tuples only
+    mate = select(rival.team == team, 1.0, 0.0)
+    return TeamRivalFeatures(*rival_seen(me, rival)[:], mate)
 
 
 @rule
@@ -181,9 +171,7 @@ def target_seen(me: BodyTile, target: TargetTile, active: float) -> TargetFeatur
 def moving_target_seen(me: BodyTile, target: TargetTile, active: float) -> Any:
     """R7.4: return the features of a moving target in a hunter's view, a `layout.MovingTargetFeatures`."""
     heading_cos, heading_sin = in_frame_of(me, target.cosine, target.sine)
-    moving = MotionFeatures(heading_cos=heading_cos, heading_sin=heading_sin, linear_velocity=target.speed)
-    seen = target_seen(me, target, active)
-    return MovingTargetFeatures(*seen[:], *moving[:])  # Numba unpacks plain tuples only
+    return MovingTargetFeatures(*target_seen(me, target, active)[:], heading_cos, heading_sin, target.speed)
 
 
 @rule
