@@ -1,7 +1,5 @@
 """Rulebook R1.4's phases 3 and 4: judge the requests of a step (core/arbiter.py), and carry out the grants."""
 
-from typing import Final
-
 from catch_arena.core import rows
 from catch_arena.core.arbiter import (
     REQUEST_DISTANCE,
@@ -28,11 +26,6 @@ from catch_arena.core.state import Settings, limits_of, seat_of
 from catch_arena.core.vectors import LANES
 from catch_arena.verdicts import NO_REQUEST, Verdict
 
-_NO_CATCHER: Final = 1 << 30
-"""Value in place of a seat, above every seat: the target is not caught."""
-_NO_VERDICT: Final = float(NO_REQUEST)
-"""Value in place of a verdict: the hunter has no request, or no answer yet."""
-
 
 @phase
 def collect_requests(chunk: Rows, s: Settings, lane: int, sections: Sections, table: RequestTable) -> int:
@@ -44,7 +37,7 @@ def collect_requests(chunk: Rows, s: Settings, lane: int, sections: Sections, ta
     """
     first = s.hunters
     for seat in range(s.hunters - 1, -1, -1):
-        seat_of(chunk, seat)[rows.VERDICT + lane] = _NO_VERDICT
+        seat_of(chunk, seat)[rows.VERDICT + lane] = NO_REQUEST
         slot = sections.requested_slots[seat, lane]
         if slot != float(rows.NO_TARGET):
             first -= 1
@@ -117,12 +110,12 @@ def commit(chunk: Rows, s: Settings, lane: int, targets: Rows, requests: Request
             seat_of(chunk, requests[i, REQUEST_SEAT])[rows.SCORE + lane] += 1.0
     removed = 0
     for slot in range(int(chunk[rows.ALIVE + lane]) - 1, -1, -1):  # backwards: targets after a removed slot move up
-        catcher = _NO_CATCHER
+        catcher = s.hunters  # no seat
         for i in range(len(requests)):
             granted = requests[i, REQUEST_VERDICT] == Verdict.GRANTED and requests[i, REQUEST_KILL_REFUSED] == 0
             if granted and requests[i, REQUEST_TARGET] == slot:
                 catcher = min(catcher, requests[i, REQUEST_SEAT])  # of several, under `capstone`, the lowest
-        if catcher != _NO_CATCHER:
+        if catcher != s.hunters:
             if s.prey > 0:
                 catch_prey(chunk, s, lane, catcher, slot)
             remove_target(chunk, s, lane, targets, slot)

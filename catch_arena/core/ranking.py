@@ -169,22 +169,15 @@ def lead(me: Rows, one: Rows, other: Rows, lane: int) -> float:
 
 
 @rule
-def is_listed_first(seat: int, one: int, other: int, teams: NDArray[np.int64]) -> bool:
-    """R7.1, A.7: return whether one of two rivals who look alike comes first: a team-mate, then the lower seat. If
-    the view has noise, the order by seat is visible.
+def is_listed_first(bodies: Bodies, one: int, other: int, lane: int, teams: NDArray[np.int64]) -> bool:
+    """R7.1, A.7: return whether one of two rivals who look alike comes first: the one with more catches, then a
+    team-mate, then the lower seat. If the view has noise, the order by seat is visible.
     """
-    mate = bool(teams[one] == teams[seat])
-    return one < other if mate == (teams[other] == teams[seat]) else mate
-
-
-@rule
-def has_more_catches(one: Rows, other: Rows, lane: int, listed_first: bool) -> bool:
-    """R7.1: return whether one of two rivals who look alike comes first: the one with more catches, then the one that
-    `is_listed_first`.
-    """
-    catches, others_catches = one[rows.SCORE + lane], other[rows.SCORE + lane]
-    more: bool = select(catches == others_catches, listed_first, catches > others_catches)
-    return more
+    catches, others_catches = body_in(bodies, one)[rows.SCORE + lane], body_in(bodies, other)[rows.SCORE + lane]
+    if catches != others_catches:
+        return bool(catches > others_catches)
+    mate = bool(teams[one] == teams[bodies.observer])
+    return one < other if mate == (teams[other] == teams[bodies.observer]) else mate
 
 
 @rule
@@ -234,13 +227,10 @@ def sort_ties(
                 if not are_equally_far(before, key):
                     break
                 one, other = item_of(key), item_of(before)
-                newer, older = body_in(bodies, one), body_in(bodies, other)
-                difference = lead(me, newer, older, lane)
+                difference = lead(me, body_in(bodies, one), body_in(bodies, other), lane)
                 goes_first = difference > 0.0
                 if difference == 0.0 and bodies.are_rivals:
-                    goes_first = has_more_catches(
-                        newer, older, lane, is_listed_first(bodies.observer, one, other, teams)
-                    )
+                    goes_first = is_listed_first(bodies, one, other, lane, teams)
                 if not goes_first:
                     break
                 keys[at * LANES + lane] = before
