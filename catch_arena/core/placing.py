@@ -29,7 +29,6 @@ def put_target(chunk: Rows, s: Settings, lane: int, targets: Rows, target: Table
     Args:
         target: x, y [m], heading [rad], linear velocity [m/s], age [ms].
     """
-    chunk[rows.LAST_NUMBER + lane] += 1.0
     add_target(chunk, s, lane, targets, target[0], target[1], target[2], chunk[rows.TIME + lane] - target[4])
     if s.targets_move:
         body_of(targets, s, int(chunk[rows.ALIVE + lane]) - 1)[rows.SPEED + lane] = target[3]

@@ -28,11 +28,12 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
 def add_target(
     chunk: Rows, s: Settings, lane: int, targets: Rows, x: float, y: float, theta: float, time_ms: float
 ) -> None:
-    """R3.4, R3.8, R8.2: add a target with the latest number at the end of the alive list, at rest.
+    """R3.3, R3.4, R3.8, R8.2: add a target with the next number at the end of the alive list, at rest.
 
     Args:
         time_ms: time at which it appears [ms since reset].
     """
+    chunk[rows.LAST_NUMBER + lane] += 1.0
     slot = int(chunk[rows.ALIVE + lane]) * s.slot_size + lane
     targets[slot + rows.NUMBER] = chunk[rows.LAST_NUMBER + lane]
     targets[slot + rows.APPEARED] = time_ms
@@ -70,8 +71,8 @@ def remove_target(chunk: Rows, s: Settings, lane: int, targets: Rows, slot: int)
 @phase
 def spawn_next(chunk: Rows, s: Settings, lane: int, targets: Rows, seed: np.uint64, time_ms: float) -> None:
     """R3.3: add a target with the next number, at that number's pose."""
-    chunk[rows.LAST_NUMBER + lane] += 1.0
-    x, y, theta = spawn_pose(seed, chunk[rows.LAST_NUMBER + lane], s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
+    number = chunk[rows.LAST_NUMBER + lane] + 1.0
+    x, y, theta = spawn_pose(seed, number, s.spawn_low_m, s.spawn_high_m, s.spawn_last_m)
     add_target(chunk, s, lane, targets, x, y, theta, time_ms)
 
 
@@ -112,7 +113,6 @@ def spawn_at(memory: Bytes, arena: int, x: float, y: float, theta: float) -> int
     chunk, lane = sections.chunks[arena // LANES], arena % LANES
     if chunk[rows.ALIVE + lane] >= s.max_targets:
         return 0
-    chunk[rows.LAST_NUMBER + lane] += 1.0
     add_target(chunk, s, lane, targets_of(chunk, s), x, y, theta, chunk[rows.TIME + lane])
     return int(chunk[rows.LAST_NUMBER + lane])
 
