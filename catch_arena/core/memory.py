@@ -35,15 +35,6 @@ _HUGE_PAGE: Final = 1 << 21
 """Size of a huge page [bytes]."""
 
 
-class Shape:
-    """Shape of a section. A name stands for a size that differs by engine: see `core_settings.sizes_of`. If the first
-    is "threads", each thread uses only its own part.
-    """
-
-    def __init__(self, *sizes: int | str) -> None:
-        self.sizes, self.by_thread = sizes, sizes[0] == "threads"
-
-
 # A program cannot read the element type out of an array's type in NumPy 2.5, so it stands here twice.
 Float32s = Annotated[NDArray[np.float32], np.float32]
 Float64s = Annotated[NDArray[np.float64], np.float64]
@@ -55,105 +46,108 @@ Int64s = Annotated[NDArray[np.int64], np.int64]
 class Sections(NamedTuple):
     """Sections of an engine's memory: B arenas in chunks; N agents, H hunters and then P prey; K targets seen.
 
-    Each field's type gives its element type and its shape. A section that a scenario or a batch does not need is empty.
+    Each field's type gives its element type and its shape. In a shape, a name stands for a size that differs by engine:
+    see `core_settings.sizes_of`. If it begins with "threads", each thread uses only its own part. A section that a
+    scenario or a batch does not need is empty.
+
     The order matters where a line says so: adjacent sections are saved and copied together.
     """
 
     # ---- tables and scratch: not saved ----
 
-    settings: Annotated[Float64s, Shape(len(Settings._fields))]
+    settings: Annotated[Float64s, len(Settings._fields)]
     """Values of `Settings`, in the order of its fields."""
-    start_poses: Annotated[Float64s, Shape("start_poses", 3)]
+    start_poses: Annotated[Float64s, "start_poses", 3]
     """Start poses of the hunters, x, y [m] and heading [rad]: (H, 3), or (0, 3) for the fair circle (R2.6)."""
-    controls: Annotated[Int8s, Shape("arenas", "hunters")]
+    controls: Annotated[Int8s, "arenas", "hunters"]
     """R4.1, R4.4: control of each hunter, a number of `controllers.CONTROLS`: (B, H). A caller that changes it must
     pass matching `choices` and `commands`.
     """
-    limits: Annotated[Float64s, Shape("hunters", len(SeatLimits._fields))]
+    limits: Annotated[Float64s, "hunters", len(SeatLimits._fields)]
     """Limits of the hunters, `SeatLimits` in the order of its fields: (H, 4)."""
-    teams: Annotated[Int64s, Shape("hunters")]
+    teams: Annotated[Int64s, "hunters"]
     """R11.1: lowest seat of each seat's team, which stands for the team: (H,)."""
-    team_seats: Annotated[Int64s, Shape("teams")]
+    team_seats: Annotated[Int64s, "teams"]
     """R11.1: lowest seat of each team, in the order of the teams: (teams,); empty without teams."""
-    keys: Annotated[Int32s, Shape("threads", MOST * LANES)]
+    keys: Annotated[Int32s, "threads", MOST * LANES]
     """Sorting keys, by slot or seat: rows of LANES."""
-    positions: Annotated[Float64s, Shape("threads", MOST * 2 * len(WIDE))]
+    positions: Annotated[Float64s, "threads", MOST * 2 * len(WIDE)]
     """Positions of the hunters, in one group of lanes: see `ranking.note_positions`."""
-    target_tiles: Annotated[Float64s, Shape("threads", (MOST + 1) * len(WIDE) * TILE)]
+    target_tiles: Annotated[Float64s, "threads", (MOST + 1) * len(WIDE) * TILE]
     """Tiles of the targets in one group of lanes, by slot and lane: see features.py."""
-    body_tiles: Annotated[Float64s, Shape("threads", (MOST + 1) * len(WIDE) * TILE)]
+    body_tiles: Annotated[Float64s, "threads", (MOST + 1) * len(WIDE) * TILE]
     """Tiles of the hunters, or of all prey, in one group of lanes, by index and lane: see features.py."""
-    staging: Annotated[Float32s, Shape("threads", "staging")]
+    staging: Annotated[Float32s, "threads", "staging"]
     """Observations of one group of lanes, in the order of the memory."""
-    requests: Annotated[Int64s, Shape("threads", "hunters", REQUEST_COLUMNS)]
+    requests: Annotated[Int64s, "threads", "hunters", REQUEST_COLUMNS]
     """Open requests of one lane: see `arbiter`."""
-    scratch_rows: Annotated[Float64s, Shape("threads", (2 + len(PART_NAMES)) * LANES)]
+    scratch_rows: Annotated[Float64s, "threads", (2 + len(PART_NAMES)) * LANES]
     """Rows of LANES, for counts and other temporary numbers of a phase."""
-    requested_slots: Annotated[Float64s, Shape("threads", "hunters", LANES)]
+    requested_slots: Annotated[Float64s, "threads", "hunters", LANES]
     """Request of each seat in this step: a slot, NO_TARGET or MALFORMED_REQUEST: (H, LANES)."""
-    rival_orders: Annotated[Int8s, Shape("threads", "hunters", "rival_ranks")]
+    rival_orders: Annotated[Int8s, "threads", "hunters", "rival_ranks"]
     """R7.1: rivals of each seat, nearest first, a `state.Order` each: (H, ranks * LANES)."""
-    progress_references: Annotated[Float64s, Shape("threads", "hunters", 3 * LANES)]
+    progress_references: Annotated[Float64s, "threads", "hunters", 3 * LANES]
     """R6.2's progress, by seat, three rows: position x and y [m] of the target that was nearest after the commit, and
     its distance then [m], or NOT_MEASURED.
     """
-    team_rows: Annotated[Float64s, Shape("threads", "team_rows")]
+    team_rows: Annotated[Float64s, "threads", "team_rows"]
     """R11.2: two groups of rows, one row for each hunter; empty without teams. The first has the catches of each team,
     under the seat that stands for it; the second has the earnings of each seat before they are shared.
     """
-    prey_references: Annotated[Float64s, Shape("threads", "prey", 4 * LANES)]
+    prey_references: Annotated[Float64s, "threads", "prey", 4 * LANES]
     """R12.5's gain, by index, four rows: see `prey.IN_PLAY` and the constants after it."""
-    gathered_prey: Annotated[Float64s, Shape("threads", "prey", rows.WITHDRAWN + LANES)]
+    gathered_prey: Annotated[Float64s, "threads", "prey", rows.WITHDRAWN + LANES]
     """R12.4: body of each prey, by index, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
-    snapshot: Annotated[Float64s, Shape("threads", "chunk")]
+    snapshot: Annotated[Float64s, "threads", "chunk"]
     """Copy of the chunk before the step, if some of its arenas had ended."""
     # ---- saved, from here to the end; all but chunks and target_orders have a row for each arena ----
-    chunks: Annotated[Float64s, Shape("chunks", "chunk")]
+    chunks: Annotated[Float64s, "chunks", "chunk"]
     """Arena memory, (chunks, rows * LANES): see `rows`."""
-    target_orders: Annotated[Int8s, Shape("chunks", "hunters", "target_ranks")]
+    target_orders: Annotated[Int8s, "chunks", "hunters", "target_ranks"]
     """R7.1: targets of each seat, nearest first, a `state.Order` each: (chunks, H, K * LANES)."""
-    rewards: Annotated[Float64s, Shape("arenas", "agents")]
+    rewards: Annotated[Float64s, "arenas", "agents"]
     """R6.2, R12.5: rewards of the last step, (B, N)."""
-    parts: Annotated[Float64s, Shape("arenas_with_parts", "hunters", len(PART_NAMES))]
+    parts: Annotated[Float64s, "arenas_with_parts", "hunters", len(PART_NAMES)]
     """R6.2: parts of the hunters' rewards, (B, H, parts), in the order of `state.PART_NAMES`; or empty."""
-    prey_parts: Annotated[Float64s, Shape("arenas_with_parts", "prey", len(PREY_PART_NAMES))]
+    prey_parts: Annotated[Float64s, "arenas_with_parts", "prey", len(PREY_PART_NAMES)]
     """R12.5: parts of prey's rewards, (B, P, parts), in the order of `state.PREY_PART_NAMES`; or empty."""
-    observations: Annotated[Float32s, Shape("arenas", "agents", "columns")]
+    observations: Annotated[Float32s, "arenas", "agents", "columns"]
     """R7.1, R12.4: observations, (B, N, columns); zeros fill those of the side that sees less."""
-    masks: Annotated[Int8s, Shape("arenas", "hunters", "choices")]
+    masks: Annotated[Int8s, "arenas", "hunters", "choices"]
     """R7.2: masks of ranks, 0 or 1, (B, H, K + 1)."""
-    ends: Annotated[Int8s, Shape("arenas")]
+    ends: Annotated[Int8s, "arenas"]
     """R1.5: state of each episode after the last step: RUNNING, TERMINATED or TRUNCATED, (B,)."""
-    active: Annotated[Int8s, Shape("arenas_with_active", "agents")]
+    active: Annotated[Int8s, "arenas_with_active", "agents"]
     """R1.7, R12.3: 1 for hunters that take part and prey that is in play, else 0, (B, N); empty if hunters cannot drop
     out and there is no prey.
     """
-    team_scores: Annotated[Float64s, Shape("arenas", "teams")]
+    team_scores: Annotated[Float64s, "arenas", "teams"]
     """R11.1: scores of the teams, (B, teams)."""
     # ---- kept by auto_reset only: last, since engines without it take a saved state up to here ----
-    final_observations: Annotated[Float32s, Shape("arenas_with_records", "agents", "columns")]
+    final_observations: Annotated[Float32s, "arenas_with_records", "agents", "columns"]
     """Last observations of each arena's latest ended episode, (B, N, columns); empty without auto_reset."""
-    final_masks: Annotated[Int8s, Shape("arenas_with_records", "hunters", "choices")]
+    final_masks: Annotated[Int8s, "arenas_with_records", "hunters", "choices"]
     """Masks that belong to `final_observations`, (B, H, K + 1)."""
-    lengths: Annotated[Float32s, Shape("arenas_with_records")]
+    lengths: Annotated[Float32s, "arenas_with_records"]
     """Length of that episode [steps], (B,)."""
-    records: Annotated[Float32s, Shape("arenas_with_records", "agents", "figures")]
+    records: Annotated[Float32s, "arenas_with_records", "agents", "figures"]
     """Records of that episode, (B, N, figures): see `rows.FINAL_SCORE` and the constants after it."""
 
 
 _METADATA: Final = {name: kind.__metadata__ for name, kind in Sections.__annotations__.items()}
-DTYPES: Final = {name: np.dtype(element) for name, (element, _) in _METADATA.items()}
-_SHAPES: Final[dict[str, Shape]] = {name: shape for name, (_, shape) in _METADATA.items()}
+DTYPES: Final = {name: np.dtype(element) for name, (element, *_) in _METADATA.items()}
+_SHAPES: Final = {name: shape for name, (_, *shape) in _METADATA.items()}
 _ENTRY: Final = 4
 """Number of int64 in the directory for each section: its offset and its shape, of at most three sizes."""
 
 
 def lay_out(sizes: Mapping[str, int]) -> tuple[Bytes, Sections]:
-    """Return zeros with all sections, and these as views; `sizes` are those that `Shape` names."""
+    """Return zeros with all sections, and these as views; `sizes` are those that their shapes name."""
     directory = np.zeros((len(_SHAPES), _ENTRY), np.int64)
     size = whole_lines(directory.nbytes)
     for entry, (name, shape) in zip(directory, _SHAPES.items(), strict=True):
-        numbers = [sizes[of] if isinstance(of, str) else of for of in shape.sizes]
+        numbers = [sizes[of] if isinstance(of, str) else of for of in shape]
         entry[: 1 + len(numbers)] = size, *numbers
         size += whole_lines(math.prod(numbers) * DTYPES[name].itemsize)
     memory = _new_bytes(size)
@@ -191,9 +185,9 @@ def sections_of(memory: Bytes, thread: int = 0) -> Sections:
     directory = memory[: 8 * _ENTRY * len(_SHAPES)].view(np.int64).reshape(-1, _ENTRY).tolist()
     sections = []
     for (begin, *numbers), dtype, shape in zip(directory, DTYPES.values(), _SHAPES.values(), strict=True):
-        size = numbers[: len(shape.sizes)]
+        size = numbers[: len(shape)]
         array: NDArray[Any] = np.ndarray(size, dtype, memory, begin)  # three times as fast as a slice and a view
-        sections.append(array[thread] if shape.by_thread else array)
+        sections.append(array[thread] if shape[0] == "threads" else array)
     return Sections(*sections)
 
 
@@ -240,7 +234,7 @@ class SectionsAt(_FieldsAt):
 SECTIONS: Final = SectionsAt(
     "Sections",
     {
-        name: ArrayAt(getattr(types, DTYPES[name].name), len(shape.sizes) - shape.by_thread)
+        name: ArrayAt(getattr(types, DTYPES[name].name), len(shape) - (shape[0] == "threads"))
         for name, shape in _SHAPES.items()
     },
 )
@@ -274,11 +268,11 @@ def _(_context: Any, builder: Any, of: Any, settings: Any, name: str) -> Any:
 @lower_getattr_generic(SectionsAt)
 def _(context: Any, builder: Any, of: Any, sections: Any, name: str) -> Any:
     memory, thread = cgutils.unpack_tuple(builder, sections)
-    index, by_thread = of.fields.index(name), _SHAPES[name].by_thread
+    index = of.fields.index(name)
     directory = builder.bitcast(memory, INT64.as_pointer())
-    places = range(_ENTRY * index, _ENTRY * index + 1 + len(_SHAPES[name].sizes))
+    places = range(_ENTRY * index, _ENTRY * index + 1 + len(_SHAPES[name]))
     begin, *shape = (_number_at(builder, directory, place) for place in places)
-    if by_thread:
+    if _SHAPES[name][0] == "threads":
         shape = shape[1:]
         size = builder.mul(product(builder, shape), INT64(DTYPES[name].itemsize))
         begin = builder.add(begin, builder.mul(thread, size))

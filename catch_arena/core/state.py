@@ -134,12 +134,6 @@ ABSENT: Final = MOST
 """Value in place of a slot or seat if nothing has the rank."""
 
 
-@rule
-def slot_rows(targets_move: bool) -> int:
-    """Return the number of rows of a slot."""
-    return rows.MOVING_SLOT_ROWS if targets_move else rows.STILL_SLOT_ROWS
-
-
 class Regions(NamedTuple):
     """Offsets in a chunk at which the rows of each kind begin, one kind after the other, and at which the last ones
     end.

@@ -13,7 +13,7 @@ from catch_arena.config import TURTLESIM_SIDE_M, ArenaConfig
 from catch_arena.core import rows
 from catch_arena.core.arbiter import POLICIES
 from catch_arena.core.math import PI, sincos
-from catch_arena.core.state import MOTIONS, SeatLimits, Settings, regions_of, slot_rows
+from catch_arena.core.state import MOTIONS, SeatLimits, Settings, regions_of
 from catch_arena.core.transfers import STREAMED
 from catch_arena.core.vectors import LANES, WIDE
 from catch_arena.core.visibility import ALL_ROUND
@@ -48,7 +48,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         "spawn_high_m": high,
         "spawn_last_m": math.nextafter(high, 0.0),
         "start_radius_m": 0.3 * config.side_m if config.start_radius_m is None else config.start_radius_m,
-        "slot_size": slot_rows(config.targets_move) * LANES,
+        "slot_size": LANES * (rows.MOVING_SLOT_ROWS if config.targets_move else rows.STILL_SLOT_ROWS),
         "target_motion": MOTIONS[config.target_motion],
         "prey_min_speed_mps": -config.target_speed_mps if config.reverse else 0.0,
         "view_cosine": ALL_ROUND if config.view_angle_deg == 360.0 else sincos(config.view_angle_deg * PI / 360.0)[1],
@@ -80,7 +80,7 @@ def limits_by_seat(config: ArenaConfig) -> NDArray[np.float64]:
 def sizes_of(
     config: ArenaConfig, settings: Settings, arenas: int, threads: int, *, with_infos: bool, auto_reset: bool
 ) -> dict[str, int]:
-    """Return the sizes that the shapes of `memory.Sections` name."""
+    """Return the sizes that the shapes in `memory.Sections` name."""
     hunters, prey, teams = config.hunters, config.prey, len(config.teams or ())
     columns = max(observation_size(config), prey_observation_size(config) if prey else 0)
     staging = len(WIDE) * (hunters + prey) * columns + STREAMED  # `put_rows` writes numbers after the end

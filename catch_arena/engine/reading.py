@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig
 from catch_arena.core import rows
 from catch_arena.core.memory import Sections, settings_in
-from catch_arena.core.state import ABSENT, ALL_OPTIONS, regions_of, slot_rows
+from catch_arena.core.state import ABSENT, ALL_OPTIONS, regions_of
 from catch_arena.core.vectors import LANES
 from catch_arena.verdicts import NO_REQUEST, Ruling, Verdict
 from catch_arena.world import HunterState, PreyState, TargetState, World
@@ -35,15 +35,15 @@ class ArenaReader:
     def _bind_views(self, sections: Sections) -> None:
         """Bind views of the chunks, each [chunk, ..., row, lane]; writing to a view writes to the arena."""
         config, chunks = self.config, sections.chunks
-        regions = regions_of(settings_in(sections.settings, ALL_OPTIONS))
-        first_hunter, first_target, first_prey, end = map(row_of, regions)
+        settings = settings_in(sections.settings, ALL_OPTIONS)
+        first_hunter, first_target, first_prey, end = map(row_of, regions_of(settings))
         moving, number = config.targets_move, len(chunks)
         self._fields = chunks.reshape(number, end, LANES)
         """All rows; the arena's own come first: [chunk, row, lane]."""
         of_hunters, of_targets = self._fields[:, first_hunter:first_target], self._fields[:, first_target:first_prey]
         self._hunters = of_hunters.reshape(number, config.hunters, rows.HUNTER_ROWS, LANES)
         """Rows of the hunters: [chunk, seat, row, lane]."""
-        self._targets = of_targets.reshape(number, config.max_targets, slot_rows(moving), LANES)
+        self._targets = of_targets.reshape(number, config.max_targets, row_of(settings.slot_size), LANES)
         """Rows of the target slots: [chunk, slot, row, lane]."""
         self._prey = self._fields[:, first_prey:].reshape(number, config.prey, rows.PREY_ROWS, LANES)
         """Rows of prey: [chunk, index, row, lane]."""
