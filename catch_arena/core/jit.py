@@ -9,7 +9,6 @@ the test for a zero divisor, which would keep loops from becoming SIMD code; no 
 
 import logging
 from collections.abc import Callable
-from functools import wraps
 from typing import Any, Final, TypeVar, cast
 
 import numba
@@ -74,16 +73,7 @@ def entry(function: F) -> F:
     only keeps entries: they contain all that they call.
     """
     if INTERPRETED:
-        return _with_silent_overflow(function)
+        return np.errstate(over="ignore")(function)  # the hashes of A.5 are arithmetic modulo 2^64
     if cache is None:
         return cast(F, numba.njit(cache=True, **_WHOLE)(function))
     return cast(F, cache.kept(unkept_entry(function)))
-
-
-def _with_silent_overflow(function: F) -> F:
-    @wraps(function)
-    def wrapped(*arguments: object) -> object:
-        with np.errstate(over="ignore"):  # the hashes of A.5 are arithmetic modulo 2^64
-            return function(*arguments)
-
-    return cast(F, wrapped)
