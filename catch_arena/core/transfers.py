@@ -170,11 +170,11 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return context.make_tuple(builder, signature.return_type, columns)
 
 
-def _type_of_where(present: Any, columns: Any) -> Any:
-    return types.UniTuple(like(present, types.float64), len(columns))(present, columns)
-
-
-@compiled_as(where_present, _type_of_where, 2)
+@compiled_as(
+    where_present,
+    lambda present, columns: types.UniTuple(like(present, types.float64), len(columns))(present, columns),
+    2,
+)
 def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     (present, columns), number = arguments, signature.return_type.dtype
     given = signature.args[1]

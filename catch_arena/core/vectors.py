@@ -290,11 +290,7 @@ def _(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
     return context.get_dummy_value()
 
 
-def _type_of_group(_first: Any, width: Any) -> Any:
-    return (Lanes(len(width)) if len(width) > 1 else types.int64)(types.int64, width)
-
-
-@compiled_as(group, _type_of_group, 2)
+@compiled_as(group, lambda _, width: (Lanes(len(width)) if len(width) > 1 else types.int64)(types.int64, width), 2)
 def _(_context: Any, _builder: Any, _signature: Any, arguments: Any) -> Any:
     return arguments[0]
 
