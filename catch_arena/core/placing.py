@@ -16,19 +16,17 @@ Table = NDArray[np.float64]
 
 @phase
 def put_body(body: Rows, lane: int, pose: Table) -> None:
-    """Put a body at a pose: x, y [m] and heading [rad]."""
+    """Put a body at rest at a pose: x, y [m] and heading [rad]."""
     body[rows.X + lane] = pose[0]
     body[rows.Y + lane] = pose[1]
     body[rows.THETA + lane] = wrap(pose[2])
+    for offset in (rows.SPEED, rows.TURN_RATE, rows.AT_WALL):
+        body[offset + lane] = 0.0
 
 
 @phase
 def put_target(chunk: Rows, s: Settings, lane: int, targets: Rows, target: Table) -> None:
-    """Add a target with the next number, which may have appeared earlier.
-
-    Args:
-        target: x, y [m], heading [rad], linear velocity [m/s], age [ms].
-    """
+    """Add a target with the next number: x, y [m], heading [rad], linear velocity [m/s], age [ms]."""
     add_target(chunk, s, lane, targets, target[0], target[1], target[2], chunk[rows.TIME + lane] - target[4])
     if s.targets_move:
         body_of(targets, s, int(chunk[rows.ALIVE + lane]) - 1)[rows.SPEED + lane] = target[3]
@@ -48,7 +46,6 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
     for seat in range(len(hunters)):
         me = seat_of(chunk, seat)
         put_body(me, lane, hunters[seat])
-        me[rows.AT_WALL + lane] = 0.0
         for offset in rows.AT_REST:
             me[offset + lane] = 0.0
     every = targets_of(chunk, s)
@@ -58,10 +55,7 @@ def place(memory: Bytes, arena: int, hunters: Table, prey: Table, targets: Table
     for index in range(len(prey)):
         slot = int(prey_of(chunk, s, index)[rows.PREY_SLOT + lane])
         if slot != rows.NO_TARGET:
-            body = body_of(every, s, slot)
-            put_body(body, lane, prey[index])
-            for offset in (rows.SPEED, rows.TURN_RATE, rows.AT_WALL):
-                body[offset + lane] = 0.0
+            put_body(body_of(every, s, slot), lane, prey[index])
     for i in range(len(targets)):
         if chunk[rows.ALIVE + lane] < s.max_targets:
             put_target(chunk, s, lane, every, targets[i])

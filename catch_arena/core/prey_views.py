@@ -69,8 +69,8 @@ def write_bodies(
 
 
 @phase
-def write_self(chunk: Rows, me: Rows, s: Settings, first: int, width: Width, caught: Rows, place: Place) -> None:
-    """R12.4: write one prey's view of itself, in the lanes of one group; `caught`: its row TIMES_CAUGHT."""
+def write_self(chunk: Rows, me: Rows, s: Settings, first: int, width: Width, index: int, place: Place) -> None:
+    """R12.4: write one prey's view of itself, in the lanes of one group."""
     lane = group(first, width)
     own = PreySelfFeatures(
         x=me[rows.X + lane],
@@ -80,7 +80,7 @@ def write_self(chunk: Rows, me: Rows, s: Settings, first: int, width: Width, cau
         linear_velocity=me[rows.SPEED + lane],
         angular_velocity=me[rows.TURN_RATE + lane],
         time_left=time_left_at(chunk, s, lane),
-        times_caught=caught[lane],
+        times_caught=prey_of(chunk, s, index)[rows.TIMES_CAUGHT + lane],
         alive=1.0 - me[rows.WITHDRAWN + lane],
     )
     put_rows(place.out, place.at, place.stride, own)
@@ -95,12 +95,9 @@ def write_prey(
     """
     columns = sections.observations.shape[2]
     for index in range(s.prey):
-        me, caught = (
-            sections.gathered_prey[index],
-            prey_of(chunk, s, index)[rows.TIMES_CAUGHT : rows.TIMES_CAUGHT + LANES],
-        )
+        me = sections.gathered_prey[index]
         own = Place(place.out, place.at + (s.hunters + index) * columns, place.stride)
-        write_self(chunk, me, s, first, width, caught, own)
+        write_self(chunk, me, s, first, width, index, own)
         at = own.at + _SELF_WIDTH
         for side in range(2):  # a loop, so that the functions it calls are compiled once
             of_prey = side == 1
