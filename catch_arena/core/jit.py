@@ -33,7 +33,8 @@ Rows = NDArray[np.float64]
 """Slice of the arena memory (core/rows.py): fields lie LANES apart, and one lane is one arena."""
 
 _FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
-_WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": COMPILER.WholeCompiler} if COMPILER else _FLAGS
+WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": COMPILER.WholeCompiler} if COMPILER else _FLAGS
+"""Flags of functions that Python calls."""
 _ALONE: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 """Flags of functions that only compiled code calls: without an entry point for Python they compile in half the time."""
 _INNER: Final[dict[str, Any]] = {**_ALONE, "pipeline_class": COMPILER.PartCompiler} if COMPILER else _ALONE
@@ -63,11 +64,6 @@ def outlined(function: F) -> F:
     return cast(F, numba.njit(forceinline=False, **_OUTLINED)(function))
 
 
-def unkept_entry(function: F) -> F:
-    """Compile a function that Python calls, in each process again: for experiments, or if no cache can be written."""
-    return cast(F, numba.njit(**_WHOLE)(function))
-
-
 def entry(function: F) -> F:
     """Compile a function that Python calls: `tick.run`, which plays the chunks of a batch, or a smaller one. The cache
     only keeps entries: they contain all that they call.
@@ -75,5 +71,5 @@ def entry(function: F) -> F:
     if INTERPRETED:
         return np.errstate(over="ignore")(function)  # the hashes of A.5 are arithmetic modulo 2^64
     if cache is None:
-        return cast(F, numba.njit(cache=True, **_WHOLE)(function))
-    return cast(F, cache.kept(unkept_entry(function)))
+        return cast(F, numba.njit(cache=True, **WHOLE)(function))
+    return cast(F, cache.kept(numba.njit(**WHOLE)(function)))

@@ -15,7 +15,7 @@ from llvmlite import binding as llvm
 from catch_arena.config import ArenaConfig
 from catch_arena.core import compiler
 from catch_arena.core.addresses import by_address
-from catch_arena.core.jit import phase, unkept_entry
+from catch_arena.core.jit import WHOLE, phase
 from catch_arena.core.memory import settings_in
 from catch_arena.core.modes import COMPILER, INTERPRETED
 from catch_arena.core.state import ALL_OPTIONS, NO_OPTIONS
@@ -136,7 +136,7 @@ def test_a_branch_that_is_taken_for_numbers_above_zero_alone_is_not_compiled_whe
     """`missing` cannot be compiled: nobody has such a field."""
     inner = phase(part)
 
-    @unkept_entry
+    @numba.njit(**WHOLE)
     def whole(numbers, options):
         return inner(settings_in(by_address(numbers), options))
 
@@ -184,7 +184,7 @@ def test_an_interrupt_while_llvm_makes_machine_code_counts_behind_it(monkeypatch
     before = signal.signal(number, end)
     try:
         with pytest.raises(Ended):
-            unkept_entry(lambda value: value + 1.0)(2.0)
+            numba.njit(**WHOLE)(lambda value: value + 1.0)(2.0)
         assert len(made) == 1
         assert signal.getsignal(number) is end
     finally:
