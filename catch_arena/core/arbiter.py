@@ -80,9 +80,7 @@ def first_failed_test(
     R9.1: the policy CAPSTONE is the original's service, which grants every request that it can answer at all.
 
     `controllers.look_up_choices` finds ranks without a target; `judge` finds duplicates.
-
-    Args:
-        target: the requested slot or number, or a code: MALFORMED_REQUEST, NEVER_SPAWNED, ALREADY_GONE.
+    `target` is the requested slot or number, or a code: MALFORMED_REQUEST, NEVER_SPAWNED, ALREADY_GONE.
     """
     if over:
         return Verdict.MATCH_OVER

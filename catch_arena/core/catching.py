@@ -134,9 +134,8 @@ def resolve_requests(
 ) -> None:
     """R1.4's phases 3 and 4: judge the requests of this step, and carry out the grants, lane by lane.
 
-    Args:
-        given_requests: a table of further requests in a chunk of one arena: their seats and slots, or the codes in
-            place of slots, after H rows for the requests of the hunters' actions, which come first; or empty.
+    `given_requests` is empty, or a table of further requests in a chunk of one arena: their seats and slots, or the
+    codes in place of slots, after H rows for the requests of the hunters' actions, which come first.
     """
     table = given_requests if len(given_requests) > 0 else sections.requests
     for lane in range(lanes):

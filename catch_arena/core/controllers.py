@@ -41,16 +41,8 @@ def pi_step(
     error: float, integral: float, kp: float, ki: float, low: float, high: float, dt: float
 ) -> tuple[float, float]:
     """R4.3: return the limited output of one step of a PI loop, and its new integral, which does not grow while the
-    output saturates.
-
-    Args:
-        error: the error [m] or [rad].
-        integral: integral of the error so far [m s] or [rad s].
-        kp: the gain of the error [1/s].
-        ki: the gain of the integral [1/s^2].
-        low: the least output [m/s] or [rad/s].
-        high: the greatest output [m/s] or [rad/s].
-        dt: the control period [s].
+    output saturates. For an error in [m] or [rad], the integral is in [m s] or [rad s], the gains `kp` [1/s] and `ki`
+    [1/s^2], and the limits of the output, `low` and `high`, in [m/s] or [rad/s]; `dt` is the control period [s].
     """
     grown = integral + error * dt
     output = kp * error + ki * grown

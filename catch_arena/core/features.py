@@ -116,11 +116,8 @@ def tile_hunters(chunk: Rows, s: Settings, first: int, width: Width, teams: NDAr
 
 @rule
 def in_frame_of(me: BodyTile, east: float, north: float) -> tuple[float, float]:
-    """R7.1: return the parts of a direction ahead of an observer, and to its left.
-
-    Args:
-        east: eastern distance from the observer to a place [m], or the cosine of a heading.
-        north: northern distance from the observer to a place [m], or the sine of a heading.
+    """R7.1: return the parts of a direction ahead of an observer, and to its left. Its eastern and northern parts are
+    distances to a place [m], or cosine and sine of a heading.
     """
     return me.cosine * east + me.sine * north, me.cosine * north - me.sine * east
 

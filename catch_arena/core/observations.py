@@ -58,8 +58,6 @@ from catch_arena.core.vectors import LANES, Width, group, played_lanes
 from catch_arena.core.visibility import RIVAL_KIND, TARGET_KIND, blur, blur_key
 from catch_arena.layout import MovingTargetFeatures, RivalFeatures, SelfFeatures, TargetFeatures, TeamRivalFeatures
 
-Masks = NDArray[np.int8]
-"""R7.2: masks of ranks, (lanes, H, K + 1)."""
 Numbers = NDArray[np.float32]
 
 SELF_WIDTH: Final = len(SelfFeatures._fields)
@@ -191,7 +189,7 @@ def rival_width(s: Settings) -> int:
 
 
 @phase
-def write_masks(chunk: Rows, s: Settings, lanes: int, orders: Orders, masks: Masks) -> None:
+def write_masks(chunk: Rows, s: Settings, lanes: int, orders: Orders, masks: NDArray[np.int8]) -> None:
     """R7.2: update the masks, 1 for hold and for ranks that have a target. They change rarely; with a full view, all
     seats of an arena change together.
     """

@@ -82,10 +82,8 @@ def move(chunk: Rows, s: Settings, width: Width, lanes: int, targets: Rows, coun
     """R1.3: play all ticks in (t, t + period], one after the other.
 
     R2.4's watchdog stops a hunter at the first tick more than a second after its command: later ticks do not move it.
-    Targets have no watchdog (R3.8).
-
-    Args:
-        counts: room for two rows: the number of ticks of each lane, and the number before its commands are stale.
+    Targets have no watchdog (R3.8). `counts` is room for two rows: the number of ticks of each lane, and the number
+    before its commands are stale.
     """
     due, fresh = counts[:LANES], counts[LANES : 2 * LANES]
     for first in range(0, played_lanes(width), len(width)):

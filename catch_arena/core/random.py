@@ -13,7 +13,6 @@ from catch_arena.core.jit import Rows, rule
 _GOLDEN: Final = np.uint64(0x9E3779B97F4A7C15)
 _FIRST: Final = np.uint64(0xBF58476D1CE4E5B9)
 _SECOND: Final = np.uint64(0x94D049BB133111EB)
-_ONE: Final = np.uint64(1)
 
 START: Final = np.uint64(1)
 PLACE: Final = np.uint64(2)
@@ -48,7 +47,7 @@ def stream(seed: np.uint64, purpose: np.uint64) -> np.uint64:
 @rule
 def draw(key: np.uint64, counter: np.uint64) -> np.uint64:
     """A.5: return the counter-th word of a stream."""
-    return mix(key + (counter + _ONE) * _GOLDEN)
+    return mix(key + (counter + np.uint64(1)) * _GOLDEN)
 
 
 @rule

@@ -28,11 +28,7 @@ def spawn_pose(seed: np.uint64, number: float, low: float, high: float, last: fl
 def add_target(
     chunk: Rows, s: Settings, lane: int, targets: Rows, x: float, y: float, theta: float, time_ms: float
 ) -> None:
-    """R3.3, R3.4, R3.8, R8.2: add a target with the next number at the end of the alive list, at rest.
-
-    Args:
-        time_ms: time at which it appears [ms since reset].
-    """
+    """R3.3, R3.4, R3.8, R8.2: add a target with the next number at the end of the alive list, at rest."""
     chunk[rows.LAST_NUMBER + lane] += 1.0
     slot = int(chunk[rows.ALIVE + lane]) * s.slot_size + lane
     targets[slot + rows.NUMBER] = chunk[rows.LAST_NUMBER + lane]

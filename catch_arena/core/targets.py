@@ -72,11 +72,8 @@ def nearest_hunter(chunk: Rows, s: Settings, lane: int, targets: Rows, at: int) 
 
 @phase
 def find_threats(chunk: Rows, s: Settings, width: Width, targets: Rows, slot: int, threats: Rows) -> None:
-    """R3.10: find the hunter nearest to each target in one slot.
-
-    Args:
-        threats: the result, three rows: the hunter's distance [micrometres], infinite if there is none, and the
-            target's position relative to it, east and north [m].
+    """R3.10: find the hunter nearest to each target in one slot. The result is three rows: the hunter's distance
+    [micrometres], infinite if there is none, and the target's position relative to it, east and north [m].
     """
     for first in range(0, played_lanes(width), len(width)):
         lane = group(first, width)

@@ -4,7 +4,7 @@ seat, and the shapes of the memory.
 
 import dataclasses
 import math
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +20,6 @@ from catch_arena.core.visibility import ALL_ROUND
 from catch_arena.errors import require_type
 from catch_arena.layout import observation_size, prey_observation_size
 
-_SPAWN_LOW_M: Final = 0.5
-_SPAWN_WALL_M: Final = TURTLESIM_SIDE_M - 10.5
-
 
 def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = False) -> Settings:
     """Return the scalars of a config, as the core reads them. A field has the value of that name in the config, if it
@@ -30,7 +27,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
     """
     require_type("config", config, ArenaConfig, "scenario(name)")
     weights = dataclasses.asdict(config.rewards) | dataclasses.asdict(config.prey_rewards)
-    high = config.side_m - _SPAWN_WALL_M
+    high = config.side_m - (TURTLESIM_SIDE_M - 10.5)  # R3.2
     converted = {
         **dataclasses.asdict(config.gains),
         **{f"{fault}_rate": rate for fault, rate in dataclasses.asdict(config.faults).items()},
@@ -44,7 +41,7 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         "period_ms": config.control_period_ms,
         "period_s": config.control_period_ms / 1000.0,
         "spawn_period_ms": config.spawn_period_ms if config.spawning else math.inf,
-        "spawn_low_m": _SPAWN_LOW_M,
+        "spawn_low_m": 0.5,
         "spawn_high_m": high,
         "spawn_last_m": math.nextafter(high, 0.0),
         "start_radius_m": 0.3 * config.side_m if config.start_radius_m is None else config.start_radius_m,

@@ -16,12 +16,8 @@ def next_seeds(seeds: Any) -> NDArray[np.uint64]:
 
 
 def episode_seed(given: int | None, before: int | None) -> int:
-    """Return the seed of one arena's next episode.
-
-    Args:
-        given: a whole number in [0, 2^64), or None.
-        before: the seed of the previous episode, from which the next one follows (A.5); None for the first episode,
-            whose seed the operating system gives.
+    """Return the seed of one arena's next episode: the given one, or the one that follows the seed before (A.5). The
+    operating system gives the first.
     """
     if given is not None or before is None:
         return arena_seed(given)
