@@ -62,9 +62,7 @@ def look_up_choices(
     requested: Rows,
     active_targets: Rows,
 ) -> None:
-    """R4.1, R5.2's MALFORMED: look up the target of the rank that each lane has chosen.
-
-    Lane by lane, since targets are anywhere in the slots.
+    """R4.1, R5.2's MALFORMED: look up the target of each lane's choice, lane by lane, since targets are in any slot.
 
     Args:
         requested: the result, one row: the target's slot, NO_TARGET for hold, MALFORMED_REQUEST for a rank without a

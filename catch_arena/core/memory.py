@@ -200,8 +200,6 @@ def settings_in(numbers: NDArray[np.float64], options: Options) -> Settings:
 
 # ---- for the compiler: settings and sections are addresses, and a field is read where code uses it ----
 
-_KINDS: Final = {int: types.int64, float: types.float64}
-
 
 class _FieldsAt(types.BaseNamedTuple):
     """Compiler type of a named tuple whose fields are in memory."""
@@ -224,7 +222,8 @@ class SettingsAt(_FieldsAt):
         known = PlainSettings.ZERO if of is PlainSettings else ()
         self.zero = {name: Settings.__annotations__[name]() for name in known}
         """Fields that are 0 or 0.0, with that value: see `compiler`."""
-        super().__init__(of.__name__, {name: _KINDS[kind] for name, kind in Settings.__annotations__.items()})
+        kinds = {int: types.int64, float: types.float64}
+        super().__init__(of.__name__, {name: kinds[kind] for name, kind in Settings.__annotations__.items()})
 
 
 class SectionsAt(_FieldsAt):
