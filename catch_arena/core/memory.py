@@ -201,18 +201,17 @@ def settings_in(numbers: NDArray[np.float64], options: Options) -> Settings:
 # ---- for the compiler: settings and sections are addresses, and a field is read where code uses it ----
 
 
-class _FieldsAt(types.BaseNamedTuple):
+class _FieldsAt(types.NamedTuple):
     """Compiler type of a named tuple whose fields are in memory."""
 
-    def __init__(self, name: str, kinds: Mapping[str, Any]) -> None:
-        self.fields, self.kinds = tuple(kinds), tuple(kinds.values())
-        super().__init__(name)
+    def __init__(self, kinds: list[Any], of: type[NamedTuple]) -> None:
+        super().__init__(kinds, of)
+        self.name = of.__name__  # short, since it is part of many symbols
 
-    def __len__(self) -> int:
-        return len(self.fields)
-
-    def __getitem__(self, index: int) -> Any:  # type: ignore[override]
-        return self.kinds[index]
+    @property
+    def key(self) -> str:
+        """Name by which Numba compares types: the kinds of all fields would take long."""
+        return self.name
 
 
 class SettingsAt(_FieldsAt):
@@ -223,20 +222,18 @@ class SettingsAt(_FieldsAt):
         self.zero = {name: Settings.__annotations__[name]() for name in known}
         """Fields that are 0 or 0.0, with that value: see `compiler`."""
         kinds = {int: types.int64, float: types.float64}
-        super().__init__(of.__name__, {name: kinds[kind] for name, kind in Settings.__annotations__.items()})
+        super().__init__([kinds[kind] for kind in Settings.__annotations__.values()], of)
 
 
 class SectionsAt(_FieldsAt):
     """Compiler type of `Sections`: the memory, and the number of the thread."""
 
 
-SECTIONS: Final = SectionsAt(
-    "Sections",
-    {
-        name: ArrayAt(getattr(types, DTYPES[name].name), len(shape) - (shape[0] == "threads"))
-        for name, shape in _SHAPES.items()
-    },
-)
+_KINDS: Final = [
+    ArrayAt(getattr(types, dtype.name), len(shape) - (shape[0] == "threads"))
+    for dtype, shape in zip(DTYPES.values(), _SHAPES.values(), strict=True)
+]
+SECTIONS: Final = SectionsAt(_KINDS, Sections)
 
 
 @register_model(SettingsAt)
