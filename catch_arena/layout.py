@@ -32,8 +32,8 @@ class _Spec(NamedTuple):
     """Description of a column in a table, without its name."""
 
     unit: str
-    bounds: Callable[[ArenaConfig], tuple[float, float]]
-    """Function that returns (least, greatest) value of the column; they hold after rounding to float32."""
+    bounds: tuple[float, float] | Callable[[ArenaConfig], tuple[float, float]]
+    """Least and greatest value of the column, or a function that returns them; they hold after rounding to float32."""
     meaning: str
 
 
@@ -41,12 +41,8 @@ def _either_side(most: float) -> tuple[float, float]:
     return -most, most
 
 
-def _any_part(_: ArenaConfig) -> tuple[float, float]:
-    return -1.0, 1.0
-
-
-def _flag(_: ArenaConfig) -> tuple[float, float]:
-    return 0.0, 1.0
+_ANY_PART: Final = (-1.0, 1.0)
+_FLAG: Final = (0.0, 1.0)
 
 
 def _catches(config: ArenaConfig) -> tuple[float, float]:
@@ -79,13 +75,13 @@ def _target_speeds(config: ArenaConfig) -> tuple[float, float]:
 
 
 _Place = Annotated[float, _Spec("m", lambda c: (0.0, c.side_m), "position in the world frame")]
-_Cosine = Annotated[float, _Spec("1", _any_part, "cosine of the heading")]
-_Sine = Annotated[float, _Spec("1", _any_part, "sine of the heading")]
+_Cosine = Annotated[float, _Spec("1", _ANY_PART, "cosine of the heading")]
+_Sine = Annotated[float, _Spec("1", _ANY_PART, "sine of the heading")]
 _TimeLeft = Annotated[float, _Spec("s", lambda c: (0.0, c.time_limit_ms / 1000.0), "time until the time limit")]
 _SeenAhead = Annotated[float, _Spec("m", _seen_distance, "distance ahead; negative is behind")]
 _SeenAside = Annotated[float, _Spec("m", _seen_distance, "distance to the left; negative is to the right")]
-_RelativeCosine = Annotated[float, _Spec("1", _any_part, "cosine of its heading relative to the agent's own")]
-_RelativeSine = Annotated[float, _Spec("1", _any_part, "sine of its heading relative to the agent's own")]
+_RelativeCosine = Annotated[float, _Spec("1", _ANY_PART, "cosine of its heading relative to the agent's own")]
+_RelativeSine = Annotated[float, _Spec("1", _ANY_PART, "sine of its heading relative to the agent's own")]
 
 
 class SelfFeatures(NamedTuple):
@@ -114,9 +110,9 @@ class TargetFeatures(NamedTuple):
 
     forward: _SeenAhead
     left: _SeenAside
-    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has a target")]
+    present: Annotated[float, _Spec("flag", _FLAG, "1 if this rank has a target")]
     age: Annotated[float, _Spec("s", lambda c: (0.0, _duration(c)), "time since it appeared")]
-    active: Annotated[float, _Spec("flag", _flag, "1 if it is the hunter's active target")]
+    active: Annotated[float, _Spec("flag", _FLAG, "1 if it is the hunter's active target")]
 
 
 class MotionFeatures(NamedTuple):
@@ -132,7 +128,7 @@ class RivalFeatures(NamedTuple):
 
     forward: _SeenAhead
     left: _SeenAside
-    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has a rival")]
+    present: Annotated[float, _Spec("flag", _FLAG, "1 if this rank has a rival")]
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
     linear_velocity: Annotated[float, _Spec("m/s", _speeds, "its forward velocity")]
@@ -144,7 +140,7 @@ class RivalFeatures(NamedTuple):
 class TeamFeatures(NamedTuple):
     """R7.4: further column for each rival if there are teams."""
 
-    mate: Annotated[float, _Spec("flag", _flag, "1 if it is a team-mate")]
+    mate: Annotated[float, _Spec("flag", _FLAG, "1 if it is a team-mate")]
 
 
 class PreySelfFeatures(NamedTuple):
@@ -160,7 +156,7 @@ class PreySelfFeatures(NamedTuple):
     ]
     time_left: _TimeLeft
     times_caught: Annotated[float, _Spec("catches", _catches, "number of times it was caught so far")]
-    alive: Annotated[float, _Spec("flag", _flag, "0 between a catch and its return")]
+    alive: Annotated[float, _Spec("flag", _FLAG, "0 between a catch and its return")]
 
 
 class BodyFeatures(NamedTuple):
@@ -170,7 +166,7 @@ class BodyFeatures(NamedTuple):
     left: Annotated[
         float, _Spec("m", lambda c: _either_side(_diagonal(c)), "distance to the left; negative is to the right")
     ]
-    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has a hunter")]
+    present: Annotated[float, _Spec("flag", _FLAG, "1 if this rank has a hunter")]
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
     linear_velocity: Annotated[float, _Spec("m/s", _speeds, "its forward velocity")]
@@ -179,7 +175,7 @@ class BodyFeatures(NamedTuple):
 class PreyFeatures(NamedTuple):
     """R12.4: columns of prey's observation for each other prey that differ from a hunter's."""
 
-    present: Annotated[float, _Spec("flag", _flag, "1 if this rank has another prey")]
+    present: Annotated[float, _Spec("flag", _FLAG, "1 if this rank has another prey")]
     linear_velocity: Annotated[float, _Spec("m/s", _target_speeds, "its forward velocity")]
 
 
@@ -269,7 +265,7 @@ def _columns_of(table: Any, config: ArenaConfig) -> tuple[Column, ...]:
     made = []
     for name, kind in table.__annotations__.items():
         unit, bounds, meaning = kind.__metadata__[0]
-        low, high = bounds(config)
+        low, high = bounds(config) if callable(bounds) else bounds
         made.append(Column(name, unit, low, high, meaning))
     return tuple(made)
 
