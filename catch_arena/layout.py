@@ -6,7 +6,7 @@ description. The core makes tuples of these fields.
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable
 from functools import cache
 from itertools import chain
 from typing import Annotated, Any, Final, NamedTuple
@@ -270,11 +270,6 @@ def _columns_of(table: Any, config: ArenaConfig) -> tuple[Column, ...]:
     return tuple(made)
 
 
-def _numbered(kind: str, numbers: range, table: tuple[Column, ...]) -> Iterator[Column]:
-    """Return a table's columns once for each number (a seat or place), named "{kind}_{number}.{column}"."""
-    return (column._replace(name=f"{kind}_{number}.{column.name}") for number in numbers for column in table)
-
-
 def _columns_in(groups: tuple[Group, ...], config: ArenaConfig) -> tuple[Column, ...]:
     unnamed = chain.from_iterable(group.ranks * _columns_of(group.table, config) for group in groups)
     return tuple(column._replace(name=name) for name, column in zip(column_names(groups), unnamed, strict=True))
@@ -292,21 +287,11 @@ def prey_columns(config: ArenaConfig) -> tuple[Column, ...]:
     return _columns_in(prey_groups(config), config) if config.prey else ()
 
 
-_STATE_BODY: Final = ("x", "y", "heading_cos", "heading_sin", "linear_velocity", "angular_velocity")
-"""R7.3: columns of the global state that hunters and prey share."""
-STATE_HUNTER_COLUMNS: Final = (*_STATE_BODY, "score", "withdrawn")
-"""R7.3: columns of the global state for each hunter, by seat."""
-STATE_TARGET_COLUMNS: Final = ("present", "x", "y", "age")
-"""R7.3: columns of the global state for each of max_targets places of targets, in spawning order."""
-STATE_MOVING_TARGET_COLUMNS: Final = (*STATE_TARGET_COLUMNS, "heading_cos", "heading_sin", "linear_velocity")
-"""R7.3: columns of the global state for each place of a target if targets move."""
-STATE_PREY_COLUMNS: Final = ("alive", *_STATE_BODY, "times_caught", "withdrawn")
-"""R7.3: columns of the global state for each prey, by index."""
-
-
 def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     """R7.3: return the columns of the global state, in the world frame."""
     require_type("config", config, ArenaConfig, "scenario(name)")
+    body = ("x", "y", "heading_cos", "heading_sin", "linear_velocity", "angular_velocity")
+    motion = ("heading_cos", "heading_sin", "linear_velocity") if config.targets_move else ()
     hunter, target, prey = (
         {column.name: column for column in chain.from_iterable(_columns_of(table, config) for table in tables)}
         for tables in ((SelfFeatures,), (TargetFeatures, PreySelfFeatures), (PreySelfFeatures,))
@@ -315,10 +300,17 @@ def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     hunter["withdrawn"] = withdrawn
     target["present"] = target["present"]._replace(meaning="1 if this place has a target")
     prey["withdrawn"] = withdrawn._replace(meaning="1 if the prey takes no further part")
-    of_target = STATE_MOVING_TARGET_COLUMNS if config.targets_move else STATE_TARGET_COLUMNS
+    parts = (
+        ("hunter", range(config.hunters), hunter, (*body, "score", "withdrawn")),
+        ("target", range(1, config.max_targets + 1), target, ("present", "x", "y", "age", *motion)),
+        ("prey", range(config.prey), prey, ("alive", *body, "times_caught", "withdrawn")),
+    )
     return (
         hunter["time_left"],
-        *_numbered("hunter", range(config.hunters), tuple(hunter[name] for name in STATE_HUNTER_COLUMNS)),
-        *_numbered("target", range(1, config.max_targets + 1), tuple(target[name] for name in of_target)),
-        *_numbered("prey", range(config.prey), tuple(prey[name] for name in STATE_PREY_COLUMNS)),
+        *(
+            table[name]._replace(name=f"{kind}_{number}.{name}")
+            for kind, numbers, table, names in parts
+            for number in numbers
+            for name in names
+        ),
     )

@@ -4,7 +4,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from catch_arena.config import ArenaConfig
-from catch_arena.layout import STATE_MOVING_TARGET_COLUMNS, STATE_PREY_COLUMNS, STATE_TARGET_COLUMNS
 from catch_arena.world import World
 
 
@@ -15,7 +14,6 @@ def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
         (state columns,): the time left; then all hunters by seat; then the alive targets in spawning order, with zeros
         up to `max_targets`; then all prey by index.
     """
-    of_target = STATE_MOVING_TARGET_COLUMNS if config.targets_move else STATE_TARGET_COLUMNS
     numbers = [max(0.0, (config.time_limit_ms - world.time_ms) / 1000.0)]
     for hunter in world.hunters:
         numbers += [hunter.x, hunter.y, np.cos(hunter.theta), np.sin(hunter.theta)]
@@ -24,12 +22,12 @@ def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
         numbers += [1.0, target.x, target.y, (world.time_ms - target.spawned_ms) / 1000.0]
         if config.targets_move:
             numbers += [np.cos(target.theta), np.sin(target.theta), target.linear_velocity]
-    numbers += [0.0] * len(of_target) * (config.max_targets - len(world.targets))
+    numbers += [0.0] * (7 if config.targets_move else 4) * (config.max_targets - len(world.targets))
     played = {target.prey: target for target in world.targets}
     for prey in world.prey:
         its = played.get(prey.name)
         if its is None:
-            numbers += [0.0] * (len(STATE_PREY_COLUMNS) - 2)  # all but the last two
+            numbers += [0.0] * 7
         else:
             numbers += [1.0, its.x, its.y, np.cos(its.theta), np.sin(its.theta)]
             numbers += [its.linear_velocity, its.angular_velocity]
