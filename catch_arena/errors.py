@@ -56,17 +56,7 @@ class BusError(CatchArenaError):
 
 
 def require_type(name: str, value: object, kind: type, made_by: str) -> None:
-    """Require that an argument has a type.
-
-    Args:
-        name: the argument's name.
-        value: the argument.
-        kind: the required type.
-        made_by: a call that returns an object of this type, for the message.
-
-    Raises:
-        ConfigError: if the argument has another type.
-    """
+    """Raise ConfigError unless a value has a type; `made_by` is a call that returns such an object, for the message."""
     if not isinstance(value, kind):
         article = "an" if kind.__name__[0] in "AEIOU" else "a"
         raise ConfigError(f"{name} must be {article} {kind.__name__}, such as {made_by} returns, got {value!r}")

@@ -1,4 +1,7 @@
-"""Folders that are made in advance, files that appear whole or not at all, and the errors if they cannot be written."""
+"""Folders that are made in advance, and files that appear whole or not at all.
+
+All functions that write raise OutputError if they cannot.
+"""
 
 import os
 import secrets
@@ -20,8 +23,7 @@ else:
 def regular_file(path: Path) -> Path:
     """Return the path of a regular file, existing or not, with links followed.
 
-    Raises:
-        OutputError: for a device or a folder.
+    Raise OutputError for a device or a folder.
     """
     try:
         target = Path(os.path.realpath(path))
@@ -35,9 +37,7 @@ def regular_file(path: Path) -> Path:
 def read_text(path: Path) -> str:
     """Return the text of a file that a person wrote: UTF-8, with or without a byte order mark.
 
-    Raises:
-        OSError: if it cannot be read.
-        ConfigError: for another encoding.
+    Raise ConfigError for another encoding.
     """
     try:
         return path.read_bytes().decode("utf-8-sig")
@@ -48,27 +48,14 @@ def read_text(path: Path) -> str:
 
 
 def write_whole(path: Path, content: bytes, *, private: bool = False) -> None:
-    """Write a file in one piece: other processes see the whole file or none.
-
-    Args:
-        path: the file to write.
-        content: the whole content.
-        private: true if only the owner may read it.
-
-    Raises:
-        OutputError: if it cannot be written.
-    """
+    """Write a file in one piece: other processes see all of it or none. Only the owner may read a `private` file."""
     with unfinished_file(path, private=private) as unfinished:
         unfinished.write_bytes(content)
 
 
 @contextmanager
 def whole_file(path: Path) -> Iterator[IO[bytes]]:
-    """Open a file under a temporary name, which is renamed when the block ends without an error.
-
-    Raises:
-        OutputError: if it cannot be written.
-    """
+    """Open a file under a temporary name, which is renamed when the block ends without an error."""
     with unfinished_file(path) as unfinished, unfinished.open("wb") as file:
         yield file
 
@@ -77,17 +64,10 @@ def whole_file(path: Path) -> Iterator[IO[bytes]]:
 def unfinished_file(path: Path, *, ending: str = "", private: bool = False) -> Iterator[Path]:
     """Create an empty file next to a file; it replaces that file at the end, or is removed after an error.
 
-    It has the permissions of the file that it replaces, or the umask's for a new file.
-
-    Args:
-        path: the file to write.
-        ending: the end of the temporary name. The name has no part of the file's, which may be of maximal length.
-        private: see `write_whole`.
-
-    Raises:
-        OutputError: if it cannot be created, written or renamed.
+    It has the permissions of the file that it replaces, or the umask's for a new file. Its name ends in `ending`.
     """
     target = regular_file(path)
+    # without a part of the file's name, which may be as long as names can be
     unfinished = target.with_name(f".catch-arena-{secrets.token_hex(4)}{ending}")
     replaced = target.exists()
     mode = 0o600 if private or replaced else 0o666
@@ -108,9 +88,6 @@ def prepare_folder(folder: Path) -> Path:
     """Create a folder if it is missing, check that it is writable, and return it.
 
     An error before the matches is better than one after them.
-
-    Raises:
-        OutputError: if it cannot be written.
     """
     try:
         folder.mkdir(parents=True, exist_ok=True)

@@ -22,11 +22,9 @@ def world_frame(cosine: Number, sine: Number, forward: Number, left: Number) -> 
 
 
 def place_after(target: Any, lead_s: Number) -> tuple[Number, Number]:
-    """Return the place (forward, left) [m] of a target that drives straight on for some time.
+    """Return the place (forward, left) [m] of a target that drives straight on for some time [s].
 
-    Args:
-        target: a `SeenTarget` that moves, or the targets of a `BatchView`.
-        lead_s: the time [s].
+    The target is a `SeenTarget`, or the targets of a `BatchView`.
     """
     forward: Number = target.forward + target.linear_velocity * target.heading_cos * lead_s
     left: Number = target.left + target.linear_velocity * target.heading_sin * lead_s
@@ -34,12 +32,9 @@ def place_after(target: Any, lead_s: Number) -> tuple[Number, Number]:
 
 
 def is_nearer(rival: Any, forward: Number, left: Number) -> Any:
-    """Return whether a rival is nearer than the hunter to a place of the hunter's own frame [m].
+    """Return whether a rival is nearer than the hunter to a place (forward, left) of the hunter's own frame [m].
 
-    Args:
-        rival: a `SeenHunter`, or the rivals of a `BatchView`, with arrays of a shape that fits the places.
-        forward: distance ahead.
-        left: distance to the left.
+    The rival is a `SeenHunter`, or the rivals of a `BatchView` with arrays of a shape that fits the places.
     """
     dx, dy = forward - rival.forward, left - rival.left
     return dx * dx + dy * dy < forward * forward + left * left

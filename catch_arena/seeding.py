@@ -10,18 +10,10 @@ SEED_LIMIT: Final = 2**64
 
 
 def checked_seed(seed: object) -> int:
-    """Return a seed as an int.
-
-    Raises:
-        ConfigError: unless it is a whole number in [0, 2^64).
-    """
+    """Return a seed as an int; raise ConfigError unless it is a whole number in [0, 2^64)."""
     return require_integer("seed", seed, 0, SEED_LIMIT - 1)
 
 
 def arena_seed(given: object) -> int:
-    """Return a seed as an int; for None, one from the operating system, which agents cannot guess.
-
-    Raises:
-        ConfigError: unless it is a whole number in [0, 2^64).
-    """
+    """Return a checked seed; for None, one from the operating system, which agents cannot guess."""
     return secrets.randbits(64) if given is None else checked_seed(given)

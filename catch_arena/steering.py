@@ -41,10 +41,7 @@ def travel_s(way: Number, bearing: Number, limits: Limits) -> Number:
 def arc_speed_mps(distance: Number, sine: Number, limits: Limits) -> Number:
     """Return the fastest speed [m/s] on the circle that is tangent to the heading and passes half a reach from a point.
 
-    Args:
-        distance: distance to the point [m].
-        sine: absolute value of the sine of its bearing, above 0.
-        limits: the hunter's limits.
+    The point is at a distance [m] and at a bearing whose sine has this absolute value, above 0.
     """
     diameter = (distance + limits.reach_m / 2) / sine
     return limits.max_turn_rate_radps * diameter / 2

@@ -67,8 +67,7 @@ def run_conformance(
 def select_cases(only: Sequence[str] = ()) -> tuple[ArbiterCase | ArenaCase, ...]:
     """Return the cases with these ids, or whose ids begin with a word that is no id; all cases without words.
 
-    Raises:
-        ConfigError: for a word that matches no case.
+    Raise ConfigError for a word that matches no case.
     """
     cases = load_cases()
     ids = {case.id for case in cases}
