@@ -61,12 +61,15 @@ def arbitrate(
         ActionError: for a seat that does not exist or a position that is not two finite numbers.
         ConfigError: for any other invalid argument.
     """
-    for field, given in (("hunters", hunters), ("requests", requests), ("caught", caught), ("inactive", inactive)):
+    for field, given in (("hunters", hunters), ("requests", requests), ("inactive", inactive)):
         if isinstance(given, str) or not isinstance(given, Collection):
             raise ConfigError(f"{field} must be a collection, got {given!r}")
     seats = len(hunters)
     places = [_checked_place(f"hunters[{seat}]", place) for seat, place in enumerate(hunters)]
-    alive = _checked_targets(targets)
+    if not isinstance(targets, Mapping):
+        raise ConfigError(f"targets must map names to places (x, y), got {targets!r}")
+    _checked_names("targets", targets)
+    alive = {name: _checked_place(f"targets[{name!r}]", place) for name, place in targets.items()}
     gone, refused = _checked_names("caught", caught), _checked_names("kill_refused", kill_refused)
     out = {_checked_seat("inactive", seat, seats) for seat in inactive}
     if both := sorted(gone & alive.keys()):
@@ -84,7 +87,11 @@ def arbitrate(
     numbers = {name: number for number, name in enumerate(alive, start=1)}
     table = np.zeros((len(requests), arbiter.REQUEST_COLUMNS), dtype=np.int64)
     for row, request in zip(table, requests, strict=True):
-        seat, name = _checked_request(request, seats)
+        try:
+            seat, name = request
+        except (TypeError, ValueError):
+            raise ActionError(f"a request must be (seat, name), got {request!r}") from None
+        seat = _checked_seat("the seat of a request", seat, seats)
         row[arbiter.REQUEST_SEAT] = seat
         row[arbiter.REQUEST_REACH] = reaches_um[seat]
         row[arbiter.REQUEST_INACTIVE] = seat in out
@@ -158,13 +165,6 @@ def _checked_place(field: str, place: Any) -> tuple[float, float]:
     return x, y
 
 
-def _checked_targets(targets: Mapping[str, tuple[float, float]]) -> dict[str, tuple[float, float]]:
-    if not isinstance(targets, Mapping):
-        raise ConfigError(f"targets must map names to places (x, y), got {targets!r}")
-    _checked_names("targets", targets)
-    return {name: _checked_place(f"targets[{name!r}]", place) for name, place in targets.items()}
-
-
 def _checked_names(field: str, names: Collection[str]) -> set[str]:
     if isinstance(names, str) or not isinstance(names, Collection):
         raise ConfigError(f"{field} must be a collection of names, got {names!r}")
@@ -180,11 +180,3 @@ def _checked_seat(field: str, seat: object, seats: int) -> int:
         allowed = f"a seat from 0 to {seats - 1}" if seats else "a seat, but hunters is empty"
         raise ActionError(f"{field} must be {allowed}, got {seat!r}")
     return number
-
-
-def _checked_request(request: Any, seats: int) -> tuple[int, object]:
-    try:
-        seat, name = request
-    except (TypeError, ValueError):
-        raise ActionError(f"a request must be (seat, name), got {request!r}") from None
-    return _checked_seat("the seat of a request", seat, seats), name

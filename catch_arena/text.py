@@ -13,7 +13,6 @@ LONGEST_NAME: Final = 100
 """Largest length of an entrant's name [characters]."""
 LONGEST_LINE: Final = 300
 """Largest length of a failure's description [characters]."""
-_MAX_READ: Final = 8 * LONGEST_LINE
 _SOURCE: Final = re.compile(r"^([| ]*  File .*, line \d+.*)(?:\n[| ]*    .*)+", re.MULTILINE)
 """Pattern of a place in a traceback, and of the lines of source and marks after it."""
 _LONGEST_LOG_LINE: Final = 200
@@ -22,7 +21,6 @@ _FOLDERS: Final = re.compile(
     r"""(?<=['"])/(?:[^/'"]+/+)+|(?<![\w<.~/])~?/(?:[^\s/'"<>]+/+)+|\b[A-Za-z]:[\\/](?:[^\s\\/'"<>]+[\\/]+)*"""
 )
 """Folders of absolute paths: in quotes (spaces allowed), without quotes, or of Windows."""
-_FORMULA: Final = ("=", "+", "-", "@")
 
 
 def composed(text: str) -> str:
@@ -35,7 +33,7 @@ def composed(text: str) -> str:
 
 def printable(text: str) -> str:
     """Return the text in one line, with escapes for unprintable characters, including line ends."""
-    return text if text.isprintable() else "".join(map(_letter, text))
+    return "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in text)
 
 
 def printable_lines(text: str) -> str:
@@ -45,7 +43,7 @@ def printable_lines(text: str) -> str:
 
 def one_line(text: str) -> str:
     """Return the text's words in one line of at most LONGEST_LINE characters."""
-    return printable(" ".join(text[:_MAX_READ].split()))[:LONGEST_LINE]
+    return printable(" ".join(text[: 8 * LONGEST_LINE].split()))[:LONGEST_LINE]
 
 
 def last_lines(log: str, count: int = 40) -> str:
@@ -88,13 +86,9 @@ def spreadsheet_cell(text: str) -> str:
     """Return the text as a cell of a CSV file. Text that begins like a formula gets an apostrophe, so that spreadsheets
     do not run it.
     """
-    return f"'{text}" if text.startswith(_FORMULA) else text
+    return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
 
 
 def counted(number: int, noun: str, plural: str | None = None) -> str:
     """Return a number with its noun, whose plural ends in s if none is given: "1 case", "2 cases"."""
     return f"{number} {noun if number == 1 else plural or noun + 's'}"
-
-
-def _letter(letter: str) -> str:
-    return letter if letter.isprintable() else ascii(letter)[1:-1]

@@ -6,12 +6,9 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor, wait
 from functools import cache
 
-Work = Callable[[int, int], None]
-"""Function that does one part of the work; its arguments are the thread's index and the part's index."""
 
-
-def run_in_threads(num_threads: int, num_parts: int, work: Work) -> None:
-    """Do `work` for every part, in the caller's thread and in helpers that the whole process shares.
+def run_in_threads(num_threads: int, num_parts: int, work: Callable[[int, int], None]) -> None:
+    """Call `work(thread, part)` for every part, in the caller's thread and in helpers that the whole process shares.
 
     Each free thread takes the next part: a slow thread then delays one part, and not a whole share. An error in any
     thread is raised here when all have ended.
