@@ -6,7 +6,7 @@ import json
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Final, Literal, get_args
+from typing import Annotated, Any, Final, Literal, get_args, get_origin
 
 from catch_arena.errors import ConfigError, suggest
 from catch_arena.plain import as_python, plain_setting, real_number, whole_number
@@ -44,7 +44,7 @@ class _Part:
 
     def __post_init__(self) -> None:
         _make_plain(self)
-        _check_bounds(self, next(f"{name}." for name, kind in _PARTS.items() if isinstance(self, kind)))
+        _check_values(self, next(f"{name}." for name, kind in _PARTS.items() if isinstance(self, kind)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -199,13 +199,9 @@ class ArenaConfig:
 
     def __post_init__(self) -> None:
         _make_plain(self)
-        _check_bounds(self)
+        _check_values(self)
         for name, value in _by_seat(self, "control"):
             require_choice(name, value, get_args(Control))
-        for name, choices in (("policy", ArbitrationPolicy), ("dropouts", Dropouts), ("target_motion", TargetMotion)):
-            require_choice(name, getattr(self, name), get_args(choices))
-        for name in ("reverse", "spawning", "mask_in_observation"):
-            require_flag(name, getattr(self, name))
         require_integer("initial_targets", self.initial_targets, 0, self.max_targets, "max_targets")
         require_integer("prey", self.prey, 0, self.initial_targets, "initial_targets, which include prey")
         if self.start_radius_m is not None:
@@ -427,10 +423,14 @@ def _make_plain(settings: object) -> None:
             object.__setattr__(settings, setting.name, value)
 
 
-def _check_bounds(settings: Any, group: str = "") -> None:
-    """Check each number whose type has bounds; `group` comes before its name in errors."""
+def _check_values(settings: Any, group: str = "") -> None:
+    """Check each flag, each word and each number whose type has bounds; `group` comes before its name in errors."""
     for setting in dataclasses.fields(settings):
         kind: Any = setting.type
+        if kind is bool:
+            require_flag(setting.name, getattr(settings, setting.name))
+        elif get_origin(kind) is Literal:
+            require_choice(setting.name, getattr(settings, setting.name), get_args(kind))
         if not hasattr(kind, "__metadata__"):
             continue
         kinds = get_args(kind.__origin__) or (kind.__origin__,)
