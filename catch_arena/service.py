@@ -179,7 +179,11 @@ class ArenaService:
             EpisodeError: if no episode is running, or if it is recorded.
         """
         self._require_play("spawn")
-        _require_pose(self.config, x, y, theta)
+        place, turn = (0.0, self.config.side_m), (-MAX_HEADING_RAD, MAX_HEADING_RAD)
+        for axis, value, (low, high) in (("x", x, place), ("y", y, place), ("theta", theta, turn)):
+            number = real_number(as_python(value))
+            if number is None or not low <= number <= high:
+                raise ActionError(f"spawn: {axis} must lie in [{low:g}, {high:g}], got {value!r}")
         number = self._engine.spawn(0, x, y, theta)
         if not number:
             return ""
@@ -317,15 +321,3 @@ class ArenaService:
         if hunter not in names:
             raise ActionError(f"unknown hunter {hunter!r}: {suggest(hunter, names)}")
         return names.index(hunter)
-
-
-def _require_pose(config: ArenaConfig, x: float, y: float, theta: float) -> None:
-    """Raise ActionError unless (x, y) is in the arena [m] and theta is at most 1000 rad, either way."""
-    for name, value, low, high in (
-        ("x", x, 0.0, config.side_m),
-        ("y", y, 0.0, config.side_m),
-        ("theta", theta, -MAX_HEADING_RAD, MAX_HEADING_RAD),
-    ):
-        number = real_number(as_python(value))
-        if number is None or not low <= number <= high:
-            raise ActionError(f"spawn: {name} must lie in [{low:g}, {high:g}], got {value!r}")
