@@ -24,8 +24,7 @@ _TAIL: Final = 0.025
 def interquartile_mean(scores: Floats) -> Floats:
     """Return the mean of the middle half of all runs of all scenarios: a quarter is cut off at either end.
 
-    Args:
-        scores: (..., runs, scenarios).
+    The table may have further axes in front.
     """
     flat = np.sort(scores.reshape(*scores.shape[:-2], -1))
     cut = int(_TRIMMED * flat.shape[-1])
@@ -47,11 +46,7 @@ def interquartile_gap(first: Floats, second: Floats) -> Estimate:
 def probability_of_improvement(scores: Floats, others: Floats) -> Estimate:
     """Return the probability that a run in `scores` beats a run in `others` in the same scenario, as a mean over these.
 
-    A tie counts one half.
-
-    Args:
-        scores: (runs, scenarios).
-        others: (runs, scenarios), of the same scenarios; there may be more or fewer runs.
+    A tie counts one half. The numbers of runs may differ.
     """
     drawn = _share_above(_resampled(scores), _resampled(others, 1))
     return _estimate(_share_above(scores, others), drawn, min(len(scores), len(others)))

@@ -233,11 +233,7 @@ LADDER: Final = Suite(
 
 
 def suite_called(name: str | None) -> Suite:
-    """Return a suite by its name; without a name, the usual one.
-
-    Raises:
-        ConfigError: for an unknown name.
-    """
+    """Return a suite by its name; without a name, the usual one. Raise ConfigError for an unknown name."""
     suites = {one.name: one for one in (SUITE, LADDER)}
     if name is not None and name not in suites:
         raise ConfigError(f"unknown suite {name!r}: {suggest(name, suites)}")

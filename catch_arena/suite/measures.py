@@ -105,10 +105,7 @@ class AgentMeasures:
     def improvement(self, reference: Scores, *, held_out: bool) -> Estimate:
         """Return the probability that a block of this agent has a higher normalised score than one of a reference.
 
-        Args:
-            reference: normalised scores of the reference, by scenario and block; of a longer plan the first blocks
-                are used.
-            held_out: True for the held-out scenarios, False for those for training.
+        If the reference has more blocks, the first ones are used.
         """
         names = [one.name for one in self.scenarios if one.held_out == held_out]
         reference_table = np.array([reference[name][: self.blocks] for name in names]).T
@@ -128,13 +125,7 @@ def measure(suite: Suite, setups: Sequence[Setup]) -> AgentMeasures:
 def measure_scenario(
     scenario: SuiteScenario, entrants: Sequence[Entrant], played: Sequence[PlayedMatch]
 ) -> ScenarioMeasures:
-    """Return the figures of an agent in one scenario.
-
-    Args:
-        scenario: the scenario.
-        entrants: the agent, and its opponents.
-        played: all the matches of its plan, in the order of the plan.
-    """
+    """Return the figures of an agent in one scenario, from all matches of its plan, in the plan's order."""
     by_block = [_normalised(list(block)) for _, block in groupby(played, key=lambda one: one.match.block)]
     column = np.array(by_block)[:, None]
     (score,) = ratios(column, np.ones_like(column))
@@ -165,10 +156,6 @@ def comes_first(outcomes: Outcomes, score: Estimate) -> bool | None:
     significantly below the mean opponent's (0.5). Each test may be wrong 5 % of the time. The test of the score needs
     fewer blocks, because it uses all of them, and an agent meets each opponent only in some blocks. Only the agent's
     own comparisons are corrected for here (Holm 1979), while `groups` compares every pair.
-
-    Args:
-        outcomes: outcomes of all matches.
-        score: the agent's normalised score, in [0, 1].
     """
     ratings = rate(outcomes)
     opponents = np.arange(outcomes.entrants) != AGENT

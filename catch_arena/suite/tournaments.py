@@ -18,12 +18,8 @@ from catch_arena.tournament.parties import Parties
 def tournaments(suite: Suite, agent: Entrant, out: Path, blocks: int, quotas: Quotas | None) -> list[Setup]:
     """Return the tournament of an agent in each scenario; an opponent of the agent's name is called `nearest#2`.
 
-    Args:
-        suite: the suite.
-        agent: the agent to measure.
-        out: folder of all agents. An agent's folder in it has the agent's name, with `/` and `..` replaced.
-        blocks: number of blocks of each scenario: as many as the suite has, or fewer for a first look.
-        quotas: quotas of an agent that does not come with the package; None if it is trusted.
+    `out` is the folder of all agents; the agent's folder in it has its name, with `/` and `..` replaced. The quotas are
+    those of an agent that does not come with the package; None if it is trusted.
     """
     folder = out / agent.name.replace("/", "-").replace("..", "__")
     setups = []
@@ -50,13 +46,7 @@ def cannot_play(suite: Suite, agent: Entrant, sandbox: Sandbox | None) -> Iterat
 def play(setups: Sequence[Setup], jobs: int, progress: Callable[[int, int], None]) -> None:
     """Play the tournaments of an agent one after the other, in this number of processes; begun ones are continued.
 
-    Args:
-        setups: the tournaments.
-        jobs: number of processes.
-        progress: called with (matches played, matches of all tournaments) after each block.
-
-    Raises:
-        CatchArenaError: see `Setup.begin` and `play_plan`.
+    `progress` is called with (matches played, matches of all tournaments) after each block.
     """
     before, matches = 0, sum(one.plan.size for one in setups)
 

@@ -126,16 +126,10 @@ def load_network(
     known: dict[str, str | int],
     make: Callable[[dict[str, NDArray[Any]]], T],
 ) -> T:
-    """Return the network in an .npz file, which is read without pickles.
+    """Return the network that `make` makes of the tables in an .npz file, which is read without pickles.
 
-    Args:
-        path: the file.
-        written_by: name of the function that writes such files, for errors.
-        known: names and values of single values that the file must have.
-        make: makes the network of the other tables.
-
-    Raises:
-        ConfigError: for a file of another kind, a damaged one, or other values.
+    The file must have the single values of `known`, which `make` does not get. Raise ConfigError for a damaged file, or
+    for one that the function named `written_by` did not write.
     """
     try:
         with Path(path).open("rb") as raw, np.load(raw) as file:

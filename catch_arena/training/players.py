@@ -30,7 +30,10 @@ Rows = tuple[NDArray[np.int64], NDArray[np.int64]]
 
 @dataclass
 class Player:
-    """An instance of an agent. Its errors are AgentErrors that name the agent, and its hunter or prey if it has one."""
+    """An instance of an agent. Its errors are AgentErrors that name the agent, and its hunter or prey if it has one.
+
+    Whatever the agent raises is such an error, and so is an action that is not legal.
+    """
 
     role: str
     """Word before the agent's name in errors."""
@@ -42,15 +45,9 @@ class Player:
 
     @classmethod
     def of(cls, role: str, agent: object, side: Side = "hunter") -> "Player":
-        """Return an agent's player.
+        """Return the player of a shipped name, a file, `package.module:Class`, a class, or an object that plays itself.
 
-        Args:
-            role: word before its name in errors.
-            agent: a shipped name, a file, `package.module:Class`, a class, or an object, which plays itself.
-            side: the side that it plays.
-
-        Raises:
-            AgentError: for an agent that cannot play.
+        Raise AgentError for an agent that cannot play.
         """
         name, policy = type(agent).__name__, agent
         if isinstance(agent, str):
@@ -80,22 +77,14 @@ class Player:
         return callable(getattr(self.policy, "act_batch", None))
 
     def call(self, method: str, argument: object) -> Any:
-        """Return the result of a method of the agent.
-
-        Raises:
-            AgentError: if the method raises anything.
-        """
+        """Return the result of a method of the agent."""
         try:
             return getattr(self.policy, method)(argument)
         except (Exception, SystemExit) as error:  # a stranger's code may raise anything
             raise AgentError(f"{self.label}: {method} raised {reason(error)}{self.place}") from error
 
     def act(self, view: Any, ranks: int) -> tuple[int, tuple[float, float]]:
-        """Return the rank and the two velocities of the agent's action, checked as in an env of one arena.
-
-        Raises:
-            AgentError: if the agent raises anything, or for an action that is not legal.
-        """
+        """Return the rank and the two velocities of the agent's action, checked as in an env of one arena."""
         action = self.call("act", view)
         try:
             return checked_action(self.control, self.label, action, ranks)
@@ -103,11 +92,7 @@ class Player:
             raise AgentError(f"{error}{self.place}") from None
 
     def act_batch(self, view: Any) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
-        """Return the ranks, (N,), and velocities, (N, 2), of N actions, see `action_arrays`.
-
-        Raises:
-            AgentError: if the agent raises anything, or for actions of another type or shape.
-        """
+        """Return the ranks, (N,), and velocities, (N, 2), of N actions, see `action_arrays`."""
         actions = self.call("act_batch", view)
         try:
             return action_arrays(f"{self.label}: actions", actions, len(view.observations), self.control)
@@ -115,11 +100,7 @@ class Player:
             raise AgentError(str(error)) from None
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Player":
-        """Return a copy with everything that the agent stores.
-
-        Raises:
-            AgentError: if the agent cannot be copied.
-        """
+        """Return a copy with everything that the agent stores."""
         try:
             return dataclasses.replace(self, policy=copy.deepcopy(self.policy, memo))
         except Exception as error:  # a stranger's code may raise anything
@@ -130,17 +111,8 @@ class Players:
     """Agents of one side, and the seats that they play in B arenas: those of the hunters, or of the prey.
 
     An agent with `act_batch` is called once a step for all seats that it plays, and keeps nothing of a single one; one
-    that has only `act` is called for each of them, and each has an instance of its own.
-
-    Args:
-        config: the arenas' settings; an arena has N agents, the hunters by seat and then the prey.
-        num_envs: B.
-        side: the side.
-        role: word before the agents' names in errors.
-        agents: the agents, see `Player.of`.
-
-    Raises:
-        AgentError: for an agent that cannot play.
+    that has only `act` is called for each of them, and each has an instance of its own. In the shapes of arrays an
+    arena has N agents, the hunters by seat and then the prey.
     """
 
     saved_attributes: ClassVar[tuple[str, ...]] = ("pool", "_seated", "_instances")
@@ -170,14 +142,7 @@ class Players:
         return self._seated.copy()
 
     def add(self, agent: object) -> int:
-        """Take one more agent into the pool.
-
-        Returns:
-            its number.
-
-        Raises:
-            AgentError: for an agent that cannot play.
-        """
+        """Take one more agent into the pool, see `Player.of`, and return its number."""
         player, number = Player.of(self._role, agent, self._side), len(self.pool)
         self.pool.append(player)
         if player.in_batches:
@@ -218,9 +183,7 @@ class Players:
     def controls(self, arenas: NDArray[np.int64], learners: Control) -> NDArray[np.int8]:
         """Return the controls of the seats of these arenas (n,), as `VectorArena.set_controls` takes them: (n, seats).
 
-        Args:
-            arenas: the arenas.
-            learners: control of the seats that no agent plays.
+        `learners` is the control of the seats that no agent plays.
         """
         codes = [CONTROLS[control] for control in (*(player.control for player in self.pool), learners)]
         found: NDArray[np.int8] = np.array(codes, np.int8)[self._seated[arenas]]  # LEARNER, -1, is the last one
@@ -229,11 +192,7 @@ class Players:
     def view(self, observations: NDArray[np.float32], masks: NDArray[np.int8], rows: Rows, control: Control) -> Any:
         """Return what some agents of the side see, all of the same limits: a `BatchView` or a `PreyBatchView`.
 
-        Args:
-            observations: those of all agents, (B, N, at least D).
-            masks: those of all hunters, (B, H, K + 1); not read for prey.
-            rows: the agents.
-            control: control of the hunters.
+        The observations, (B, N, at least D), and masks, (B, H, K + 1), are those of the whole batch.
         """
         seen = observations[..., : self._size][rows]
         limits = self._limits[control][int(rows[1][0]) if self._seats_differ else self.agents.start]
@@ -246,11 +205,7 @@ class Players:
         choices: NDArray[np.int64],
         commands: NDArray[np.float32],
     ) -> None:
-        """Write the agents' actions into `choices` (B, H), which prey does not have, and `commands` (B, N, 2).
-
-        Raises:
-            AgentError: for an agent that fails; it names the agent, and the hunter or prey if that is known.
-        """
+        """Write the agents' actions into `choices` (B, H), which prey does not have, and `commands` (B, N, 2)."""
         for number, player in enumerate(self.pool):
             arenas, seats = np.nonzero(self._seated == number)
             if not len(arenas):
@@ -280,11 +235,7 @@ class Players:
                     written[rows] = given
 
     def save(self) -> dict[str, Any]:
-        """R10.2: return a copy of the pool, the seats, and everything that the agents store, for `restore`.
-
-        Raises:
-            AgentError: if an agent cannot be copied; it names the agent.
-        """
+        """R10.2: return a copy of the pool, the seats, and everything that the agents store, for `restore`."""
         return copy.deepcopy({name: getattr(self, name) for name in self.saved_attributes})
 
     def restore(self, saved: Mapping[str, Any]) -> None:
@@ -300,14 +251,8 @@ def action_arrays(
 ) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
     """Return the ranks, (N,), and the velocities, (N, 2), of N actions; None for a part that the control does not have.
 
-    Args:
-        name: name of the actions in errors.
-        actions: an array, a tensor or lists; under full control {"cmd_vel": (N, 2), "catch": (N,)}.
-        count: N.
-        control: control of the hunters.
-
-    Raises:
-        ActionError: for another type or shape; the numbers' bounds are not checked.
+    The actions are an array, a tensor or lists; under full control {"cmd_vel": (N, 2), "catch": (N,)}. Raise
+    ActionError for another type or shape; the numbers' bounds are not checked.
     """
     ranks, velocities = actions, actions
     if control == "full":
