@@ -17,8 +17,6 @@ RESAMPLES: Final = 5000
 """Number of bootstrap resamples of the runs of each scenario."""
 FEWEST_RUNS: Final = 4
 """Smallest number of runs for an interval: with fewer it would be far too narrow."""
-_TRIMMED: Final = 0.25
-_TAIL: Final = 0.025
 
 
 def interquartile_mean(scores: Floats) -> Floats:
@@ -27,7 +25,7 @@ def interquartile_mean(scores: Floats) -> Floats:
     The table may have further axes in front.
     """
     flat = np.sort(scores.reshape(*scores.shape[:-2], -1))
-    cut = int(_TRIMMED * flat.shape[-1])
+    cut = flat.shape[-1] // 4
     means: Floats = flat[..., cut : flat.shape[-1] - cut].mean(axis=-1)
     return means
 
@@ -77,5 +75,5 @@ def _share_above(scores: Floats, others: Floats) -> Floats:
 def _estimate(mean: Floats | float, drawn: NDArray[np.floating], runs: int) -> Estimate:
     if runs < FEWEST_RUNS:
         return Estimate(float(mean), math.nan, math.nan)
-    low, high = np.quantile(drawn, (_TAIL, 1.0 - _TAIL))
+    low, high = np.quantile(drawn, (0.025, 0.975))
     return Estimate(float(mean), float(low), float(high))

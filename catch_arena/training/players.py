@@ -44,7 +44,7 @@ class Player:
     """End of errors, which names the hunter or prey that the instance plays."""
 
     @classmethod
-    def of(cls, role: str, agent: object, side: Side = "hunter") -> "Player":
+    def of(cls, role: str, agent: object, side: Side) -> "Player":
         """Return the player of a shipped name, a file, `package.module:Class`, a class, or an object that plays itself.
 
         Raise AgentError for an agent that cannot play.
