@@ -1,12 +1,14 @@
 """Rulebook R7.1: tables of the columns of observations.
 
 The space, the writer (core/observations.py), the named view for scripted agents (policy.py) and
-docs/reference/observation.md are all made from them. Each field of a table is a column, annotated with its
-description. The core makes tuples of these fields.
+docs/reference/observation.md are all made from them. The core makes tuples of their fields.
+
+Each field of a table is a column, annotated with its unit, its bounds and its meaning. The bounds are the least and the
+greatest value, or a function that returns them; they hold after rounding to float32.
 """
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import cache
 from itertools import chain
 from typing import Annotated, Any, Final, NamedTuple
@@ -16,6 +18,8 @@ from catch_arena.errors import require_type
 
 _FARTHEST_BLUR: Final = 3.4642
 """R7.6: greatest error of a seen position, in standard deviations."""
+_ANY_PART: Final = (-1.0, 1.0)
+_FLAG: Final = (0.0, 1.0)
 
 
 class Column(NamedTuple):
@@ -28,21 +32,8 @@ class Column(NamedTuple):
     meaning: str
 
 
-class _Spec(NamedTuple):
-    """Description of a column in a table, without its name."""
-
-    unit: str
-    bounds: tuple[float, float] | Callable[[ArenaConfig], tuple[float, float]]
-    """Least and greatest value of the column, or a function that returns them; they hold after rounding to float32."""
-    meaning: str
-
-
 def _either_side(most: float) -> tuple[float, float]:
     return -most, most
-
-
-_ANY_PART: Final = (-1.0, 1.0)
-_FLAG: Final = (0.0, 1.0)
 
 
 def _catches(config: ArenaConfig) -> tuple[float, float]:
@@ -74,14 +65,14 @@ def _target_speeds(config: ArenaConfig) -> tuple[float, float]:
     return -config.target_speed_mps if config.prey and config.reverse else 0.0, config.target_speed_mps
 
 
-_Place = Annotated[float, _Spec("m", lambda c: (0.0, c.side_m), "position in the world frame")]
-_Cosine = Annotated[float, _Spec("1", _ANY_PART, "cosine of the heading")]
-_Sine = Annotated[float, _Spec("1", _ANY_PART, "sine of the heading")]
-_TimeLeft = Annotated[float, _Spec("s", lambda c: (0.0, c.time_limit_ms / 1000.0), "time until the time limit")]
-_SeenAhead = Annotated[float, _Spec("m", _seen_distance, "distance ahead; negative is behind")]
-_SeenAside = Annotated[float, _Spec("m", _seen_distance, "distance to the left; negative is to the right")]
-_RelativeCosine = Annotated[float, _Spec("1", _ANY_PART, "cosine of its heading relative to the agent's own")]
-_RelativeSine = Annotated[float, _Spec("1", _ANY_PART, "sine of its heading relative to the agent's own")]
+_Place = Annotated[float, "m", lambda c: (0.0, c.side_m), "position in the world frame"]
+_Cosine = Annotated[float, "1", _ANY_PART, "cosine of the heading"]
+_Sine = Annotated[float, "1", _ANY_PART, "sine of the heading"]
+_TimeLeft = Annotated[float, "s", lambda c: (0.0, c.time_limit_ms / 1000.0), "time until the time limit"]
+_SeenAhead = Annotated[float, "m", _seen_distance, "distance ahead; negative is behind"]
+_SeenAside = Annotated[float, "m", _seen_distance, "distance to the left; negative is to the right"]
+_RelativeCosine = Annotated[float, "1", _ANY_PART, "cosine of its heading relative to the agent's own"]
+_RelativeSine = Annotated[float, "1", _ANY_PART, "sine of its heading relative to the agent's own"]
 
 
 class SelfFeatures(NamedTuple):
@@ -91,18 +82,12 @@ class SelfFeatures(NamedTuple):
     y: _Place
     heading_cos: _Cosine
     heading_sin: _Sine
-    linear_velocity: Annotated[float, _Spec("m/s", _speeds, "forward velocity")]
-    angular_velocity: Annotated[
-        float, _Spec("rad/s", lambda c: _either_side(max(c.max_turn_rates)), "turn rate, to the left")
-    ]
+    linear_velocity: Annotated[float, "m/s", _speeds, "forward velocity"]
+    angular_velocity: Annotated[float, "rad/s", lambda c: _either_side(max(c.max_turn_rates)), "turn rate, to the left"]
     time_left: _TimeLeft
-    score: Annotated[float, _Spec("catches", _catches, "granted catches so far")]
-    distance_integral: Annotated[
-        float, _Spec("m s", lambda c: (0.0, _diagonal(c) * _duration(c)), "linear integral of R4.3")
-    ]
-    bearing_integral: Annotated[
-        float, _Spec("rad s", lambda c: _either_side(3.15 * _duration(c)), "angular integral of R4.3")
-    ]
+    score: Annotated[float, "catches", _catches, "granted catches so far"]
+    distance_integral: Annotated[float, "m s", lambda c: (0.0, _diagonal(c) * _duration(c)), "linear integral of R4.3"]
+    bearing_integral: Annotated[float, "rad s", lambda c: _either_side(3.15 * _duration(c)), "angular integral of R4.3"]
 
 
 class TargetFeatures(NamedTuple):
@@ -110,9 +95,9 @@ class TargetFeatures(NamedTuple):
 
     forward: _SeenAhead
     left: _SeenAside
-    present: Annotated[float, _Spec("flag", _FLAG, "1 if this rank has a target")]
-    age: Annotated[float, _Spec("s", lambda c: (0.0, _duration(c)), "time since it appeared")]
-    active: Annotated[float, _Spec("flag", _FLAG, "1 if it is the hunter's active target")]
+    present: Annotated[float, "flag", _FLAG, "1 if this rank has a target"]
+    age: Annotated[float, "s", lambda c: (0.0, _duration(c)), "time since it appeared"]
+    active: Annotated[float, "flag", _FLAG, "1 if it is the hunter's active target"]
 
 
 class MotionFeatures(NamedTuple):
@@ -120,7 +105,7 @@ class MotionFeatures(NamedTuple):
 
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
-    linear_velocity: Annotated[float, _Spec("m/s", _target_speeds, "its forward velocity")]
+    linear_velocity: Annotated[float, "m/s", _target_speeds, "its forward velocity"]
 
 
 class RivalFeatures(NamedTuple):
@@ -128,19 +113,19 @@ class RivalFeatures(NamedTuple):
 
     forward: _SeenAhead
     left: _SeenAside
-    present: Annotated[float, _Spec("flag", _FLAG, "1 if this rank has a rival")]
+    present: Annotated[float, "flag", _FLAG, "1 if this rank has a rival"]
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
-    linear_velocity: Annotated[float, _Spec("m/s", _speeds, "its forward velocity")]
+    linear_velocity: Annotated[float, "m/s", _speeds, "its forward velocity"]
     score_difference: Annotated[
-        float, _Spec("catches", lambda c: _either_side(float(c.max_steps)), "its score minus the agent's own")
+        float, "catches", lambda c: _either_side(float(c.max_steps)), "its score minus the agent's own"
     ]
 
 
 class TeamFeatures(NamedTuple):
     """R7.4: further column for each rival if there are teams."""
 
-    mate: Annotated[float, _Spec("flag", _FLAG, "1 if it is a team-mate")]
+    mate: Annotated[float, "flag", _FLAG, "1 if it is a team-mate"]
 
 
 class PreySelfFeatures(NamedTuple):
@@ -150,33 +135,31 @@ class PreySelfFeatures(NamedTuple):
     y: _Place
     heading_cos: _Cosine
     heading_sin: _Sine
-    linear_velocity: Annotated[float, _Spec("m/s", _target_speeds, "forward velocity")]
+    linear_velocity: Annotated[float, "m/s", _target_speeds, "forward velocity"]
     angular_velocity: Annotated[
-        float, _Spec("rad/s", lambda c: _either_side(c.target_turn_rate_radps), "turn rate, to the left")
+        float, "rad/s", lambda c: _either_side(c.target_turn_rate_radps), "turn rate, to the left"
     ]
     time_left: _TimeLeft
-    times_caught: Annotated[float, _Spec("catches", _catches, "number of times it was caught so far")]
-    alive: Annotated[float, _Spec("flag", _FLAG, "0 between a catch and its return")]
+    times_caught: Annotated[float, "catches", _catches, "number of times it was caught so far"]
+    alive: Annotated[float, "flag", _FLAG, "0 between a catch and its return"]
 
 
 class BodyFeatures(NamedTuple):
     """R12.4: columns of prey's observation for each hunter, nearest first."""
 
-    forward: Annotated[float, _Spec("m", lambda c: _either_side(_diagonal(c)), "distance ahead; negative is behind")]
-    left: Annotated[
-        float, _Spec("m", lambda c: _either_side(_diagonal(c)), "distance to the left; negative is to the right")
-    ]
-    present: Annotated[float, _Spec("flag", _FLAG, "1 if this rank has a hunter")]
+    forward: Annotated[float, "m", lambda c: _either_side(_diagonal(c)), "distance ahead; negative is behind"]
+    left: Annotated[float, "m", lambda c: _either_side(_diagonal(c)), "distance to the left; negative is to the right"]
+    present: Annotated[float, "flag", _FLAG, "1 if this rank has a hunter"]
     heading_cos: _RelativeCosine
     heading_sin: _RelativeSine
-    linear_velocity: Annotated[float, _Spec("m/s", _speeds, "its forward velocity")]
+    linear_velocity: Annotated[float, "m/s", _speeds, "its forward velocity"]
 
 
 class PreyFeatures(NamedTuple):
     """R12.4: columns of prey's observation for each other prey that differ from a hunter's."""
 
-    present: Annotated[float, _Spec("flag", _FLAG, "1 if this rank has another prey")]
-    linear_velocity: Annotated[float, _Spec("m/s", _target_speeds, "its forward velocity")]
+    present: Annotated[float, "flag", _FLAG, "1 if this rank has another prey"]
+    linear_velocity: Annotated[float, "m/s", _target_speeds, "its forward velocity"]
 
 
 def _both(name: str, first: Any, more: Any) -> Any:
@@ -264,7 +247,7 @@ def _columns_of(table: Any, config: ArenaConfig) -> tuple[Column, ...]:
     """Return the columns of a table, with their bounds in an arena."""
     made = []
     for name, kind in table.__annotations__.items():
-        unit, bounds, meaning = kind.__metadata__[0]
+        unit, bounds, meaning = kind.__metadata__
         low, high = bounds(config) if callable(bounds) else bounds
         made.append(Column(name, unit, low, high, meaning))
     return tuple(made)
