@@ -60,11 +60,7 @@ class PointerNetwork:
             require_finite(f"weights {name}", self.weights[name])
 
     def __call__(self, seen: Destinations) -> tuple[Float32Array, Float32Array]:
-        """Return the candidates' logits, (N, C), -inf if one is not legal, and the last hidden layer, (N, C, H).
-
-        Raises:
-            ConfigError: for weights so large that the logits are not finite.
-        """
+        """Return the candidates' logits, (N, C), -inf if one is not legal, and the last hidden layer, (N, C, H)."""
         w = self.weights
         rows, candidates, width = seen.features.shape
         hidden = np.maximum(seen.features.reshape(-1, width) @ w["encode"] + w["encode_bias"], 0)
@@ -91,22 +87,14 @@ class PointerNetwork:
         return result
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write the network to an .npz file.
-
-        Raises:
-            OutputError: if the file cannot be written; an existing file is kept.
-        """
+        """Write the network to an .npz file."""
         tables: dict[str, Any] = {"head": self.head, "features": VERSION, "ruleset": RULESET, **self.weights}
         with whole_file(Path(path)) as file:
             np.savez_compressed(file, **tables)
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> "PointerNetwork":
-        """Return the network from a file that `save` wrote.
-
-        Raises:
-            ConfigError: for a file of another kind, a damaged one, or one of another ruleset or of other features.
-        """
+        """Return the network from a file that `save` wrote, for this ruleset and these features."""
         known: dict[str, str | int] = {"features": VERSION, "ruleset": RULESET}
         return load_network(path, "PointerNetwork.save", known, lambda tables: cls(tables.pop("head").item(), tables))
 
@@ -129,14 +117,7 @@ def weight_shapes(head: Head, hidden: int) -> dict[str, tuple[int, ...]]:
 
 
 class PointerAgent:
-    """An agent that plays by a network, which decides again in each step.
-
-    Args:
-        network: the network, or the file that holds it.
-
-    Raises:
-        ConfigError: for a file that cannot be read.
-    """
+    """An agent that plays by a network, or by the file that holds one, and decides again in each step."""
 
     def __init__(self, network: PointerNetwork | str | os.PathLike[str]) -> None:
         self.network: Final = network if isinstance(network, PointerNetwork) else PointerNetwork.load(network)
