@@ -26,8 +26,6 @@ from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.training.opponents import Opponents, Pool
 from catch_arena.training.players import LEARNER, Players, Rows, action_arrays
 
-Figures = dict[str, NDArray[np.float32]]
-
 
 class LearnerStep(NamedTuple):
     """Results of one step for the N learners; every array is a copy."""
@@ -48,7 +46,7 @@ class LearnerStep(NamedTuple):
     """Last observations of the rows in `ended`, (E, D)."""
     final_masks: NDArray[np.bool_]
     """Last masks of the rows in `ended`, (E, K + 1); (E, 0) under velocity control."""
-    figures: Figures
+    figures: dict[str, NDArray[np.float32]]
     """Figures of the ended episodes, as in `VectorArena` (`length`, `return`, `score`, `rank`, ...): (E,) or (E, 12).
 
     With opponents also `opponents`, their indices in `opponents.names`, and `opponent_scores`, by seat: (E, S). Empty
@@ -223,7 +221,7 @@ class LearnerBatch:
         last = arenas[ended], seats[ended]
         final = self._normalised(infos.get("final_obs", self._seen), last)
         final_masks = self._legal(infos.get("final_mask", self._masks), last)
-        figures: Figures = {}
+        figures: dict[str, NDArray[np.float32]] = {}
         if len(ended) and self.arena.auto_reset:
             episode = infos["episode"]
             figures = {name: table[last] for name, table in episode.items() if name != "times_caught"}

@@ -14,7 +14,6 @@ from catch_arena.errors import ConfigError, reason
 from catch_arena.files import whole_file
 
 T = TypeVar("T")
-Layers = list[tuple[NDArray[np.float32], NDArray[np.float32]]]
 
 ACTIVATIONS: Final = {"tanh": np.tanh, "relu": lambda x: np.maximum(x, 0)}
 
@@ -34,7 +33,7 @@ class Mlp:
         if activation not in ACTIVATIONS:
             raise ConfigError(f"activation must be one of {', '.join(ACTIVATIONS)}, got {activation!r}")
         self.activation: Final = activation
-        self.layers: Final[Layers] = [(np.asarray(w, np.float32), np.asarray(b, np.float32)) for w, b in layers]
+        self.layers: Final = [(np.asarray(w, np.float32), np.asarray(b, np.float32)) for w, b in layers]
         shapes = [(w.shape, b.shape) for w, b in self.layers]
         fits = bool(shapes) and all(len(w) == 2 and b == w[:1] for w, b in shapes)
         if not fits or any(after[0][1] != before[0][0] for before, after in pairwise(shapes)):
