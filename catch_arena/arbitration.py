@@ -61,16 +61,20 @@ def arbitrate(
         ActionError: for a seat that does not exist or a position that is not two finite numbers.
         ConfigError: for any other invalid argument.
     """
-    for field, given in (("hunters", hunters), ("requests", requests), ("inactive", inactive)):
-        if isinstance(given, str) or not isinstance(given, Collection):
-            raise ConfigError(f"{field} must be a collection, got {given!r}")
-    seats = len(hunters)
-    places = [_checked_place(f"hunters[{seat}]", place) for seat, place in enumerate(hunters)]
     if not isinstance(targets, Mapping):
         raise ConfigError(f"targets must map names to places (x, y), got {targets!r}")
-    _checked_names("targets", targets)
+    given: dict[str, object] = {"hunters": hunters, "requests": requests, "inactive": inactive}
+    named: dict[str, Collection[str]] = {"targets": targets, "caught": caught, "kill_refused": kill_refused}
+    for field, values in (given | named).items():
+        if isinstance(values, str) or not isinstance(values, Collection):
+            raise ConfigError(f"{field} must be a collection, got {values!r}")
+    for field, names in named.items():
+        if wrong := [name for name in names if not isinstance(name, str)]:
+            raise ConfigError(f"{field} must contain only strings, got {wrong[0]!r}")
+    seats = len(hunters)
+    places = [_checked_place(f"hunters[{seat}]", place) for seat, place in enumerate(hunters)]
     alive = {name: _checked_place(f"targets[{name!r}]", place) for name, place in targets.items()}
-    gone, refused = _checked_names("caught", caught), _checked_names("kill_refused", kill_refused)
+    gone, refused = set(caught), set(kill_refused)
     out = {_checked_seat("inactive", seat, seats) for seat in inactive}
     if both := sorted(gone & alive.keys()):
         raise ConfigError(
@@ -163,15 +167,6 @@ def _checked_place(field: str, place: Any) -> tuple[float, float]:
     if not (math.isfinite(x) and math.isfinite(y) and max(abs(x), abs(y)) <= _FARTHEST_M):
         raise ActionError(f"{field} must be two finite numbers of at most {_FARTHEST_M:g} m, got {place!r}")
     return x, y
-
-
-def _checked_names(field: str, names: Collection[str]) -> set[str]:
-    if isinstance(names, str) or not isinstance(names, Collection):
-        raise ConfigError(f"{field} must be a collection of names, got {names!r}")
-    for name in names:
-        if not isinstance(name, str):
-            raise ConfigError(f"{field} must contain only strings, got {name!r}")
-    return set(names)
 
 
 def _checked_seat(field: str, seat: object, seats: int) -> int:
