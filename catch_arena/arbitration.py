@@ -8,10 +8,19 @@ from typing import Any, Final, get_args
 
 import numpy as np
 
-from catch_arena.config import ArbitrationPolicy, checked_teams, require_choice, require_hunters_per_catch
+from catch_arena.config import (
+    ArbitrationPolicy,
+    by_seat,
+    checked_teams,
+    micrometres,
+    require_choice,
+    require_hunters_per_catch,
+    require_integer,
+    require_number,
+)
 from catch_arena.core import arbiter, rows
 from catch_arena.errors import ActionError, ConfigError
-from catch_arena.plain import plain_setting, real_number, whole_number
+from catch_arena.plain import plain_setting, whole_number
 from catch_arena.seeding import checked_seed
 from catch_arena.verdicts import Ruling
 
@@ -80,14 +89,15 @@ def arbitrate(
         raise ConfigError(
             f"caught must name targets that are no longer alive, got {both[0]!r}, which is in targets too"
         )
-    reaches_um = _checked_reaches(reach_m, seats)
+    reach = plain_setting(reach_m)
+    for field, metres in by_seat("reach_m", reach, seats):
+        require_number(field, metres, None, _FARTHEST_M)
+    reaches_um = [max(1, micrometres(metres)) for metres in (reach if isinstance(reach, tuple) else (reach,) * seats)]
     require_choice("policy", policy, get_args(ArbitrationPolicy))
     groups = None if teams is None else checked_teams(plain_setting(teams), seats)
     require_hunters_per_catch(hunters_per_catch, groups, policy)
     team_of = {seat: team for team, members in enumerate(groups or ()) for seat in members}
-    number_of_step = whole_number(step)
-    if number_of_step is None or not 0 <= number_of_step < 2**53:
-        raise ConfigError(f"step must be a whole number from 0 to 2^53 - 1, got {step!r}")
+    number_of_step = require_integer("step", step, 0, 2**53 - 1)
     numbers = {name: number for number, name in enumerate(alive, start=1)}
     table = np.zeros((len(requests), arbiter.REQUEST_COLUMNS), dtype=np.int64)
     for row, request in zip(table, requests, strict=True):
@@ -141,20 +151,6 @@ def rulings_of(table: arbiter.RequestTable, names: Sequence[object], step: int) 
         )
         for row, name in zip(table.tolist(), names, strict=True)
     ]
-
-
-def _checked_reaches(reach_m: Any, seats: int) -> list[int]:
-    """Return each seat's reach in whole micrometres (R5.3)."""
-    reach_m = plain_setting(reach_m)
-    by_seat = isinstance(reach_m, tuple)
-    if by_seat and len(reach_m) != seats:
-        raise ConfigError(f"reach_m must be one number, or one for each of {seats} hunters, got {reach_m!r}")
-    found = []
-    for seat, reach in enumerate(reach_m if by_seat else [reach_m] * seats):
-        if real_number(reach) is None or not 0 < reach <= _FARTHEST_M:
-            raise ConfigError(f"reach_m{f'[{seat}]' if by_seat else ''} must be a positive number, got {reach!r}")
-        found.append(max(1, math.floor(1e6 * reach + 0.5)))
-    return found
 
 
 def _checked_place(field: str, place: Any) -> tuple[float, float]:

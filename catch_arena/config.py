@@ -200,12 +200,12 @@ class ArenaConfig:
     def __post_init__(self) -> None:
         _make_plain(self)
         _check_values(self)
-        for name, value in _by_seat(self, "control"):
+        for name, value in by_seat("control", self.control, self.hunters):
             require_choice(name, value, get_args(Control))
         require_integer("initial_targets", self.initial_targets, 0, self.max_targets, "max_targets")
         require_integer("prey", self.prey, 0, self.initial_targets, "initial_targets, which include prey")
         if self.start_radius_m is not None:
-            _require_number("start_radius_m", self.start_radius_m, 0.0, self.side_m / 2)
+            require_number("start_radius_m", self.start_radius_m, 0.0, self.side_m / 2)
         if self.target_budget is not None:
             require_integer("target_budget", self.target_budget, max(1, self.initial_targets), 2**40)
         if self.observed_targets is not None:
@@ -241,8 +241,8 @@ class ArenaConfig:
             if not isinstance(pose, tuple) or len(pose) != 3:
                 raise ConfigError(f"hunter_poses[{seat}] must be (x, y, theta), got {pose!r}")
             for axis, value in zip("xy", pose[:2], strict=True):
-                _require_number(f"hunter_poses[{seat}].{axis}", value, 0.0, self.side_m)
-            _require_number(f"hunter_poses[{seat}].theta", pose[2], -MAX_HEADING_RAD, MAX_HEADING_RAD)
+                require_number(f"hunter_poses[{seat}].{axis}", value, 0.0, self.side_m)
+            require_number(f"hunter_poses[{seat}].theta", pose[2], -MAX_HEADING_RAD, MAX_HEADING_RAD)
         # adding 0.0 turns -0.0 into 0.0, so that equal poses have equal digests
         poses = tuple((x + 0.0, y + 0.0, theta + 0.0) for x, y, theta in self.hunter_poses)
         object.__setattr__(self, "hunter_poses", poses)
@@ -285,7 +285,7 @@ class ArenaConfig:
     @property
     def reaches_um(self) -> tuple[int, ...]:
         """R5.3: each seat's reach in whole micrometres."""
-        return tuple(max(1, _micrometres(reach)) for reach in self.reaches)
+        return tuple(max(1, micrometres(reach)) for reach in self.reaches)
 
     def _for_each(self, value: float | tuple[float, ...]) -> tuple[float, ...]:
         return value if isinstance(value, tuple) else (value,) * self.hunters
@@ -298,7 +298,7 @@ class ArenaConfig:
     @property
     def alarm_um(self) -> int:
         """R3.10: the distance of alarm in whole micrometres."""
-        return _micrometres(self.alarm_m)
+        return micrometres(self.alarm_m)
 
     @property
     def partial_view(self) -> bool:
@@ -313,7 +313,7 @@ class ArenaConfig:
     @property
     def view_radius_um(self) -> int | None:
         """R7.5: view radius in whole micrometres; None means the whole arena."""
-        return None if self.view_radius_m is None else _micrometres(self.view_radius_m)
+        return None if self.view_radius_m is None else micrometres(self.view_radius_m)
 
     @property
     def spawn_period_ms(self) -> int:
@@ -434,27 +434,27 @@ def _check_values(settings: Any, group: str = "") -> None:
         if not hasattr(kind, "__metadata__"):
             continue
         kinds = get_args(kind.__origin__) or (kind.__origin__,)
-        require = require_integer if int in kinds else _require_number
+        require = require_integer if int in kinds else require_number
         values: Iterable[tuple[str, Any]] = [(group + setting.name, getattr(settings, setting.name))]
         if tuple[float, ...] in kinds:
-            values = _by_seat(settings, setting.name)
+            values = by_seat(setting.name, getattr(settings, setting.name), settings.hunters)
         for name, value in values:
             if value is not None or type(None) not in kinds:
                 require(name, value, *kind.__metadata__)
 
 
-def _by_seat(config: ArenaConfig, name: str) -> Iterator[tuple[str, Any]]:
+def by_seat(name: str, value: Any, hunters: int) -> Iterator[tuple[str, Any]]:
     """Yield the value of a setting for all hunters, or of each seat, with its name in errors."""
-    value = getattr(config, name)
     if not isinstance(value, tuple):
         yield name, value
         return
-    if len(value) != config.hunters:
-        raise ConfigError(f"{name} must be one value, or one for each of {config.hunters} hunters, got {value!r}")
+    if len(value) != hunters:
+        raise ConfigError(f"{name} must be one value, or one for each of {hunters} hunters, got {value!r}")
     yield from ((f"{name}[{seat}]", one) for seat, one in enumerate(value))
 
 
-def _micrometres(metres: float) -> int:
+def micrometres(metres: float) -> int:
+    """R5.3: return a distance in whole micrometres."""
     return math.floor(1e6 * metres + 0.5)
 
 
@@ -468,7 +468,7 @@ def require_integer(name: str, value: object, low: int, high: int, high_is: str 
     return number
 
 
-def _require_number(name: str, value: object, at_least: float | None, at_most: float) -> None:
+def require_number(name: str, value: object, at_least: float | None, at_most: float) -> None:
     """Raise ConfigError unless a number is at least `at_least`, or above 0 if that is None, and at most `at_most`."""
     number = real_number(value)
     if number is None or not (number > 0 if at_least is None else number >= at_least) or not number <= at_most:
