@@ -160,9 +160,8 @@ class ArenaService:
 
     def targets_seen(self, hunter: str) -> list[str]:
         """R7.1: return the names of the targets that a hunter sees, by rank."""
-        seat = self._seat(hunter)
-        ranks = {self._engine.rank_of(0, seat, target.name): target.name for target in self.world.targets}
-        return [ranks[rank] for rank in sorted(ranks) if rank]
+        numbers = self._engine.numbers_seen(self._seat(hunter))[0]
+        return [self.config.target_name(number) for number in numbers.tolist() if number]
 
     def withdraw(self, hunter: str) -> None:
         """R1.6: withdraw a hunter, which takes no further part."""
