@@ -8,9 +8,8 @@ greatest value, or a function that returns them; they hold after rounding to flo
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Sequence
 from functools import cache
-from itertools import chain
 from typing import Annotated, Any, Final, NamedTuple
 
 from catch_arena.config import ArenaConfig
@@ -233,7 +232,7 @@ def prey_observation_size(arena: Any) -> int:
     return prey_groups(arena)[-1].end
 
 
-def column_names(groups: Iterable[Group]) -> tuple[str, ...]:
+def column_names(groups: Sequence[Group]) -> tuple[str, ...]:
     """Return the names of the columns in some groups, such as "x" and "target_1.forward"."""
     return tuple(
         f"{group.kind}_{rank}.{name}" if group.kind else name
@@ -243,19 +242,15 @@ def column_names(groups: Iterable[Group]) -> tuple[str, ...]:
     )
 
 
-def _columns_of(table: Any, config: ArenaConfig) -> tuple[Column, ...]:
-    """Return the columns of a table, with their bounds in an arena."""
+def _columns_in(groups: Sequence[Group], config: ArenaConfig) -> tuple[Column, ...]:
+    """Return the columns of some groups, with their bounds in an arena."""
+    kinds = [kind for group in groups for kind in [*group.table.__annotations__.values()] * group.ranks]
     made = []
-    for name, kind in table.__annotations__.items():
+    for name, kind in zip(column_names(groups), kinds, strict=True):
         unit, bounds, meaning = kind.__metadata__
         low, high = bounds(config) if callable(bounds) else bounds
         made.append(Column(name, unit, low, high, meaning))
     return tuple(made)
-
-
-def _columns_in(groups: tuple[Group, ...], config: ArenaConfig) -> tuple[Column, ...]:
-    unnamed = chain.from_iterable(group.ranks * _columns_of(group.table, config) for group in groups)
-    return tuple(column._replace(name=name) for name, column in zip(column_names(groups), unnamed, strict=True))
 
 
 def columns(config: ArenaConfig) -> tuple[Column, ...]:
@@ -276,7 +271,7 @@ def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
     body = ("x", "y", "heading_cos", "heading_sin", "linear_velocity", "angular_velocity")
     motion = ("heading_cos", "heading_sin", "linear_velocity") if config.targets_move else ()
     hunter, target, prey = (
-        {column.name: column for column in chain.from_iterable(_columns_of(table, config) for table in tables)}
+        {column.name: column for column in _columns_in([Group("", table, 1, 0) for table in tables], config)}
         for tables in ((SelfFeatures,), (TargetFeatures, PreySelfFeatures), (PreySelfFeatures,))
     )
     withdrawn = Column("withdrawn", "flag", 0.0, 1.0, "1 if the hunter takes no further part")
