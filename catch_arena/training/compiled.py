@@ -45,11 +45,9 @@ def ranks_for_each(choose: Decide, view: BatchView) -> NDArray[np.int64]:
 def commands_for_each(decide: Decide, view: BatchView) -> NDArray[np.float64]:
     """Return the speeds and turn rates of N hunters, (N, 2), as one function decides for each.
 
-    Args:
-        decide: a function from a `View` to an action. It reads the hunter's own numbers, the fields of `targets` and
-            `rivals`, and the numbers of `limits`, but no properties and methods. It calls `math` and functions of this
-            kind, and makes no lists.
-        view: what the hunters see.
+    The function takes a `View` and returns an action. It reads the hunter's own numbers, the fields of `targets` and
+    `rivals`, and the numbers of `limits`, but no properties and methods. It calls `math` and functions of this kind,
+    and makes no lists.
     """
     return _actions(decide, _write_command, view, np.empty((len(view.observations), 2)))
 
