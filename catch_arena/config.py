@@ -18,8 +18,6 @@ ArbitrationPolicy = Literal["nearest", "first_come", "capstone"]
 """R5.9: rules that decide the winner of a contest."""
 TargetMotion = Literal["still", "wander", "flee"]
 """R3.7: kinds of motion of a target between its spawn and its catch."""
-Dropouts = Literal["leave", "fixed"]
-"""R1.7: treatment of hunters that have dropped out."""
 
 TURTLESIM_SIDE_M: Final = 11.088889122009277
 """R2.1: float32(499) / float32(45), the side of turtlesim's arena [m]."""
@@ -186,7 +184,7 @@ class ArenaConfig:
     """R1.5: length of the episode in steps, PettingZoo's word for it; it replaces time_limit_s unless it is None."""
     dropout_rate: _Probability = 0.0
     """R1.7: probability that a hunter drops out in a step."""
-    dropouts: Dropouts = "leave"
+    dropouts: Literal["leave", "fixed"] = "leave"
     """R1.7: a hunter that drops out leaves PettingZoo's agents, or stays among them and does nothing."""
     gains: Gains = field(default_factory=Gains)
     rewards: RewardWeights = field(default_factory=RewardWeights)
