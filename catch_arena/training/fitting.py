@@ -10,7 +10,7 @@ from catch_arena.batch_policy import BatchView, ManyViews, PreyBatchView
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.layout import column_names, groups, prey_groups
-from catch_arena.policy import AnyLimits, Limits, PreyLimits, PreyView, View
+from catch_arena.policy import AnyLimits, Limits, PreyView, View
 from catch_arena.scenarios import scenario
 from catch_arena.text import shortened
 
@@ -79,13 +79,10 @@ def fit_mask(view: View | BatchView, trained: str | ArenaConfig) -> NDArray[np.b
 @lru_cache(maxsize=64)
 def _places(seen: AnyLimits, trained: str | ArenaConfig, inputs: int | None) -> NDArray[np.int64]:
     """Return the index of each column of `trained` in an observation, (D,); its width if it has no such column."""
-    config = _config_of(trained)
-    if isinstance(seen, Limits):
-        names, wanted = (column_names(groups(limits)) for limits in (seen, Limits.of(config, 0)))
-    elif config.prey:
-        names, wanted = (column_names(prey_groups(limits)) for limits in (seen, PreyLimits.of(config)))
-    else:
+    config, hunts = _config_of(trained), isinstance(seen, Limits)
+    if not hunts and not config.prey:
         raise ConfigError(f"trained must be a scenario with prey for a view of prey, got {shortened(trained)}")
+    names, wanted = (column_names((groups if hunts else prey_groups)(arena)) for arena in (seen, config))
     if inputs not in (None, len(wanted)):
         wanted = tuple(name for name in wanted if name.rpartition(".")[2] in _FIRST_COLUMNS.split())
     place = {name: number for number, name in enumerate(names)}
