@@ -40,15 +40,8 @@ class MatchWindow:
     """Window for a match at its own pace, which `tournament.match_loop.play_match` takes as `watch`.
 
     Between two steps it draws the way from one to the other, while the person steers the next step. Its calls raise
-    MatchStopped if its user ends the match, and RestartRequested.
-
-    Args:
-        info: names, colours and settings of the match.
-        seed: the match's seed, which the window shows.
-        size: (width, height) of the window [pixels].
-        person: the person, who gets the window's events.
-        seat: the person's seat, None without a person.
-        save: called with the replay so far; returns a text that says where it is.
+    MatchStopped if its user ends the match, and RestartRequested. `person` gets the window's events; `seat` is None
+    without a person. `save` gets the replay so far, and returns a text that says where it is.
     """
 
     def __init__(

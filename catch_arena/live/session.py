@@ -42,19 +42,9 @@ def show_match(
 ) -> ShownMatch:
     """Play a match in a window until its user has seen enough.
 
-    Args:
-        config: the arena's settings.
-        seed: a whole number in [0, 2^64).
-        entrants: the agents by party; a party that is the person's alone has none.
-        seat: the person's seat; None without a person.
-        quotas: quotas of isolated agents, None if all agents are trusted.
-        title: title of the replay and of the window.
-        size: (width, height) of the window [pixels].
-        save: called with the replay when the user asks for it; returns a text that says where the replay is.
-
-    Raises:
-        OutputError: if there is no display.
-        MatchFailedError: if isolated agents could not be held.
+    The entrants are by party; a party that is the person's alone has none. `seat` is None without a person, and
+    `quotas` if all agents are trusted. `save` is called with the replay when the user asks for it, and returns a text
+    that says where it is. Raises OutputError without a display.
     """
     parties, person = Parties.of(config), HumanPolicy()
     stand_in = next(iter(entrants.values()))  # for a party that is the person alone

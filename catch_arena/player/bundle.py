@@ -42,11 +42,7 @@ Track = list[Pose2D]
 
 
 def bundle_text(replay: Replay, answers: Sequence[WhatIf] = ()) -> str:
-    """Return a replay's bundle, in base64.
-
-    Args:
-        replay: the recorded match.
-        answers: answers to contests that hunters of this match lost, which the page shows on demand.
+    """Return a replay's bundle, in base64, with answers to contests that hunters lost, which the page shows on demand.
 
     Raises:
         ConfigError: for an answer about another match.

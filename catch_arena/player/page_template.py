@@ -38,11 +38,8 @@ def page_style(package: str, name: str) -> str:
 def page_policy(*scripts: str, connects: bool = False) -> str:
     """Return the Content-Security-Policy of a page: these scripts run, by their digests, and nothing is loaded.
 
-    Inline styles are allowed: the player and charts have some.
-
-    Args:
-        scripts: the scripts, each alone or as the element `<script>`.
-        connects: whether the page may load from the server that it comes from.
+    Inline styles are allowed: the player and charts have some. A script is given alone or as the element `<script>`.
+    If it `connects`, the page may load from the server that it comes from.
     """
     texts = (script.removeprefix("<script>").removesuffix("</script>") for script in scripts)
     digests = (base64.b64encode(hashlib.sha256(text.encode()).digest()).decode() for text in texts)

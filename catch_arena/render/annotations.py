@@ -70,13 +70,7 @@ class Annotation:
 
 
 def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Annotation, ...]:
-    """Return the annotations of a step's rulings, which were judged on the world before it.
-
-    Args:
-        before: the world before the step.
-        after: the world after the step.
-        by_lot: whether lots decide contests and not distance (R5.9).
-    """
+    """Return the annotations of a step's rulings; `by_lot` is true if lots decide contests and not distance (R5.9)."""
     targets = {target.name: (target.x, target.y) for target in before.targets}
     played = {prey.target: agent for agent, prey in enumerate(before.prey, start=len(before.hunters))}
     distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}

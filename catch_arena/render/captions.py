@@ -68,11 +68,7 @@ def _shortened(name: str) -> str:
 
 
 class Commentary:
-    """Latest caption of a match.
-
-    Args:
-        info: names and colours of the match.
-    """
+    """Latest caption of a match."""
 
     def __init__(self, info: MatchInfo) -> None:
         self._info = info

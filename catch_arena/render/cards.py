@@ -82,11 +82,7 @@ def podium_shapes(
 ) -> list[Shape]:
     """Return the podium over an arena of (width, height): the first three contenders, their scores, and the margin.
 
-    Args:
-        area: (width, height) of the arena [pixels].
-        info: names and colours.
-        scores: catches by contender.
-        prey: scores of the prey.
+    The scores are by contender.
     """
     width, height = area
     unit = min(width, height) / 720.0

@@ -27,7 +27,6 @@ class Format:
 
     name: str
     container: str
-    """Name of the container in FFmpeg."""
     encoder: str
     """Name of the encoder in FFmpeg."""
     size: tuple[int, int]
@@ -82,11 +81,7 @@ _LIMITED: Final = 1
 
 
 def format_of(path: Path) -> Format:
-    """Return the format that a file's ending stands for.
-
-    Raises:
-        ConfigError: for an ending that is none of FORMATS.
-    """
+    """Return the format that a file's ending stands for; raise ConfigError for an ending that is none of FORMATS."""
     found = FORMATS.get(path.suffix.lower())
     if found is None:
         *endings, last = FORMATS

@@ -18,15 +18,7 @@ from catch_arena.replay.motion import Pose2D, interpolate, poses_of
 def with_ghost(
     pictures: Iterable[Pixels], renderer: MatchRenderer, times_ms: Sequence[float], answer: WhatIf, *, words: bool
 ) -> Iterator[Pixels]:
-    """Yield the pictures of a match with the ghost of an answer, and the answer's sentence.
-
-    Args:
-        pictures: frames in the renderer's buffer.
-        renderer: the renderer that draws them.
-        times_ms: the instants of the frames.
-        answer: the answer.
-        words: whether to show the sentence.
-    """
+    """Yield the renderer's pictures of a match with the ghost of an answer, and with `words` the answer's sentence."""
     viewport = renderer.viewport
     color, track = renderer.info.color(answer.seat), ghost_track(answer)
     at_top = is_low(track, viewport.side_m)

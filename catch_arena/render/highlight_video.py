@@ -45,13 +45,8 @@ def render_highlights(
 ) -> RenderReport:
     """Write highlights as one video, in their order; memory holds one match at a time.
 
-    Each highlight comes with the path of its replay. The other arguments are those of `video.render_replay`. No
-    half-written file is left.
-
-    Raises:
-        ConfigError: for no highlights, and an invalid ending, size or fps.
-        OutputError: if the video cannot be written.
-        ReplayError: if a match does not play as recorded.
+    Each highlight comes with the path of its replay. The other arguments and the errors are those of
+    `video.render_replay`. Raises ConfigError without a highlight.
     """
     if not highlights:
         raise ConfigError("highlights must have at least one entry, got none")

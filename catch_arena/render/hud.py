@@ -113,11 +113,8 @@ def standings_of(world: World) -> tuple[AgentScore, ...]:
 def arrange(size: tuple[int, int], layout: Layout, agents: int, teams: int = 0) -> Arrangement:
     """Return the areas of a frame's parts: the panel is at the right if wide, below if tall, else around the arena.
 
-    Args:
-        size: (width, height) of the frame.
-        layout: with or without a panel.
-        agents: number of lines of the standings.
-        teams: number of columns in the card of the teams' scores, 0 for no such card.
+    `agents` is the number of lines of the standings, and `teams` that of columns in the card of the teams' scores, 0
+    for no such card.
     """
     width, height = size
     if layout == "arena":

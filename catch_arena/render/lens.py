@@ -51,13 +51,7 @@ class Lens(NamedTuple):
 
 
 def lens_of(before: World, target: str, claims: Sequence[tuple[int, int]]) -> Lens:
-    """Return the lens of a contest.
-
-    Args:
-        before: the world on which the contest was judged.
-        target: name of the target.
-        claims: (seat, distance [micrometres]) of each claimant, the winner first.
-    """
+    """Return the lens of a contest for a target; claims are (seat, distance [micrometres]), the winner's first."""
     hunters, side_m, shown = before.hunters, before.side_m, claims[:MOST_CLAIMANTS]
     place = next((one.x, one.y) for one in before.targets if one.name == target)
     true = [math.atan2(hunters[seat].y - place[1], hunters[seat].x - place[0]) for seat, _ in shown]
@@ -90,14 +84,7 @@ def spread_directions(directions: Sequence[float]) -> list[float]:
 
 
 def lens_shapes(viewport: Viewport, info: MatchInfo, lens: Lens, age_ms: float) -> list[Shape]:
-    """Return the shapes of a lens in its corner of the arena.
-
-    Args:
-        viewport: the arena in the picture.
-        info: names and colours.
-        lens: the contest.
-        age_ms: time since the contest [ms]; a lens grows at first and shrinks at last.
-    """
+    """Return the shapes of a lens in its corner of the arena; it grows at first and shrinks at last."""
     room = min(viewport.width, viewport.height)
     part = min(1.0, (age_ms + 20.0) / GROWS_MS, (LENS_MS - age_ms) / GROWS_MS)
     size = SIZE * room * part * (2.0 - part)

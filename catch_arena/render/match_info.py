@@ -81,13 +81,8 @@ class MatchInfo:
     ) -> "MatchInfo":
         """Return the facts of one match.
 
-        Args:
-            config: the arena's settings.
-            names: the agents' names; without them, agents have their names in PettingZoo.
-            title: text that names the match.
-            duration_ms: duration of the match [ms]; the settings' time limit if omitted.
-            colors: number of each hunter's colour, by seat (`Replay.colors`); by default colours go by seat.
-            event: heading of the title at a video's beginning.
+        By default agents have their names in PettingZoo, and the duration is the time limit. `colors` are numbers of
+        the hunters' colours by seat, as `Replay.colors`; by default colours go by seat.
         """
         agents = config.hunter_names + config.prey_names
         called = agents if names is None else tuple(names)

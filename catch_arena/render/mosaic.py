@@ -86,17 +86,8 @@ def render_mosaic(
 ) -> RenderReport:
     """Write a video in which all matches run at the same time; a match that has ended shows its result until all end.
 
-    A match that does not play as recorded stops at the difference, and its cell says so.
-
-    Args:
-        replays: 1 to 64 matches, by the text below each.
-        path: the file to write.
-        speed: seconds of the match in a second of the video.
-        progress: called with (frames written, frames in all).
-
-    Raises:
-        ConfigError: for too many matches or none, and an invalid ending or speed.
-        OutputError: if the file cannot be written; no half-written file is left.
+    A match that does not play as recorded stops at the difference, and its cell says so. There may be 1 to MOST
+    matches, by the text below each. The other arguments and the errors are those of `video.render_replay`.
     """
     if not 1 <= len(replays) <= MOST:
         raise ConfigError(f"a mosaic must have 1 to {MOST} matches, got {len(replays)}")

@@ -34,11 +34,7 @@ NOTEBOOK_SIZE: Final = (800, 450)
 
 
 def checked_size(size: tuple[int, int]) -> tuple[int, int]:
-    """Return the (width, height) [pixels] of a frame after checking it.
-
-    Raises:
-        ConfigError: for a size below SMALLEST or above LARGEST.
-    """
+    """Return the (width, height) of a frame; raise ConfigError for a size below SMALLEST or above LARGEST."""
     pair = plain_setting(size)
     good = isinstance(pair, tuple) and len(pair) == 2 and all(whole_number(part) is not None for part in pair)
     if not good or not (SMALLEST <= pair[0] <= LARGEST[0] and SMALLEST <= pair[1] <= LARGEST[1]):
@@ -254,14 +250,6 @@ class ArenaPainter:
 
     Trails and catches come from the worlds that were painted before. They begin again at a world of step 0, and at one
     of an earlier step.
-
-    Args:
-        config: the arena's settings.
-        size: (width, height) [pixels].
-        layout: "arena" or "broadcast".
-
-    Raises:
-        ConfigError: for a size below SMALLEST or above LARGEST.
     """
 
     def __init__(
@@ -279,11 +267,7 @@ class ArenaPainter:
         return np.asarray(cv2.cvtColor(self.draw(1.0), cv2.COLOR_RGBA2RGB), dtype=np.uint8)
 
     def enter(self, world: World) -> float:
-        """Set the world that is drawn from now on.
-
-        Returns:
-            the time from the last world to this one [ms]; 0 if it does not follow the last one.
-        """
+        """Set the world that is drawn; return the time since the last one [ms], 0 if it does not follow that."""
         renderer, last = self._renderer, self._last
         self._last = world
         if last is None or world.step == 0 or world.step < last.step:

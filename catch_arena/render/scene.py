@@ -63,15 +63,8 @@ def arena_shapes(
 ) -> list[Shape]:
     """Return the shapes of everything that moves, appears or disappears, the lowest first.
 
-    Args:
-        viewport: the arena in the picture.
-        info: names, colours and settings.
-        world: the world at the end of the step.
-        poses: all poses at an instant of this step.
-        annotations: the rulings that are shown.
-        time_ms: the instant.
-        view_of: the seat whose view is shown; None for no view.
-        beliefs: the beliefs of this seat.
+    The world is that at the end of a step, and the poses are those at an instant of it. `view_of` is the seat whose
+    view and beliefs are shown, None for no view.
     """
     shapes: list[Shape] = []
     if view_of is not None and not world.hunters[view_of].withdrawn:

@@ -25,11 +25,6 @@ class Timeline:
     """Catchers and scores of a match, as two values for each of COLUMNS parts of it, and the shapes of their card.
 
     A contender is a team, or a hunter if there are no teams.
-
-    Args:
-        area: the place of the card in the frame.
-        info: names, colours and duration of the match.
-        unit: pixels of the frame per pixel of a 1280 x 720 one.
     """
 
     def __init__(self, area: Rect, info: MatchInfo, unit: float) -> None:

@@ -33,7 +33,6 @@ class RenderReport:
     """Facts about a video that was written."""
 
     path: Path
-    """File of the video."""
     frames: int
     """Number of frames."""
     seconds: float
@@ -61,11 +60,8 @@ class VideoOutput(NamedTuple):
     ) -> "VideoOutput":
         """Return the output for some settings, None for the default of the format and shape.
 
-        If the format needs even sizes, an odd one becomes the next even one.
-
-        Raises:
-            ConfigError: for an unknown ending or shape, a size outside the limits of frames or of another shape, and
-                fps that is no whole number from 1 to the format's maximum.
+        If the format needs even sizes, an odd one becomes the next even one. Raises ConfigError for settings that it
+        does not allow.
         """
         kind = format_of(Path(path))
         shorter = kind.size[1] * 3 // 2
@@ -187,11 +183,7 @@ def renderer_for(replay: Replay, size: tuple[int, int], layout: hud.Layout) -> M
 
 
 def _viewed_seat(replay: Replay, hunter: int | str) -> int:
-    """Return the seat of a hunter whose view can be shown.
-
-    Raises:
-        ConfigError: if the match has no such hunter or several, or its hunters see everything as it is.
-    """
+    """Return the seat whose view is shown; raise ConfigError unless it is one hunter's, and views are limited."""
     seats, _ = find_subjects(replay, hunter)
     if len(seats) != 1:
         meant = f"the seats {', '.join(map(str, seats))}" if seats else "prey"
@@ -229,11 +221,7 @@ def frames_of(worlds: Iterable[World], renderer: MatchRenderer, times_ms: Sequen
 
 
 def clip_of(replay: Replay, fps: int, start_s: float, end_s: float | None, speed: float) -> Clip:
-    """Return a part of a match at a pace, after checking both.
-
-    Raises:
-        ConfigError: for a part that is not in the match, and an invalid speed.
-    """
+    """Return a part of a match at a pace, or raise ConfigError for one that is not in the match."""
     pace = pace_of(speed)
     whole_s = replay.duration_ms / 1000.0
     until_s = whole_s if end_s is None else end_s
@@ -246,11 +234,7 @@ def clip_of(replay: Replay, fps: int, start_s: float, end_s: float | None, speed
 
 
 def pace_of(speed: float) -> Fraction:
-    """Return a speed as a fraction after checking it: seconds of the match in a second of the video.
-
-    Raises:
-        ConfigError: for a speed outside [SLOWEST, FASTEST].
-    """
+    """Return a speed as a fraction, or raise ConfigError outside [SLOWEST, FASTEST]."""
     if not SLOWEST <= speed <= FASTEST:
         raise ConfigError(f"speed must be from {float(SLOWEST):g} to {float(FASTEST):g}, got {speed!r}")
     return Fraction(speed).limit_denominator(1000)

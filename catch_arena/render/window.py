@@ -18,15 +18,7 @@ _SOON_S: Final = 1e-3
 
 
 class Screen:
-    """Window on the screen; only one can be open.
-
-    Args:
-        title: the text in the window's title bar.
-        size: (width, height) [pixels] at first.
-
-    Raises:
-        OutputError: if there is no display.
-    """
+    """Window on the screen; only one can be open. Raises OutputError without a display."""
 
     def __init__(self, title: str, size: tuple[int, int]) -> None:
         try:
@@ -74,13 +66,6 @@ class Window:
 
     After its user closes it, it stays closed: further steps are not shown, and the match goes on without waiting for
     real time.
-
-    Args:
-        title: the text in the window's title bar.
-        size: (width, height) [pixels].
-
-    Raises:
-        OutputError: if there is no display.
     """
 
     def __init__(self, title: str, size: tuple[int, int]) -> None:
@@ -92,9 +77,7 @@ class Window:
     def play(self, picture: Callable[[float], NDArray[np.uint8]], lasts_ms: float) -> None:
         """Show a step from its beginning to its end, then return; a late step is shown in the rest of its time.
 
-        Args:
-            picture: function that draws (height, width, 4) at a part of the step in (0, 1].
-            lasts_ms: the step's time [ms], 0 for a picture that follows no other.
+        `picture` draws (height, width, 4) at a part of the step in (0, 1]. A picture that follows no other lasts 0 ms.
         """
         lasts_s, frame_s = lasts_ms / 1000.0, time.perf_counter()
         self._due_s = max(self._due_s, frame_s - lasts_s) + lasts_s  # a delayed match does not hurry afterwards

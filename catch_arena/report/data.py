@@ -45,11 +45,7 @@ class ReportData:
 
     @classmethod
     def of(cls, folder: Path) -> "ReportData":
-        """Return the data in a folder.
-
-        Raises:
-            StoreError: if it holds no tournament, or no match has been played.
-        """
+        """Return the data in a folder; raise StoreError if it holds no tournament, or no match has been played."""
         played, versions = [], {}
         with Store.read(folder) as store:
             tournament, planned, ended = store.tournament, store.count_planned(), store.ended
@@ -87,11 +83,7 @@ class ReportData:
         return frozenset(played_match.match.id for played_match in self.played if played_match.replay)
 
     def replay(self, match: str) -> Replay:
-        """Return the replay of a match that was recorded.
-
-        Raises:
-            ReplayError: if the match was not recorded, or its file is no replay or a damaged one.
-        """
+        """Return the replay of a match; raise ReplayError if it was not recorded, or its file is damaged."""
         if match not in self.recorded:
             raise ReplayError(f"match {match}: cannot be shown; it must be a match that was played and recorded")
         return Replay.load(self.folder / REPLAYS / f"{match}.replay")

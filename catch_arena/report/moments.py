@@ -62,15 +62,7 @@ class LostContest:
 
 
 def find_lost_contests(data: ReportData, explanations: Mapping[str, Explanation]) -> list[LostContest]:
-    """Return for each agent the closest contest that it lost in some matches, the closest of all first.
-
-    Args:
-        data: the tournament's data.
-        explanations: the explanations of recorded matches, by their ids.
-
-    Raises:
-        ReplayError: if a match does not play as recorded.
-    """
+    """Return for each agent the closest contest that it lost in some matches, the closest of all first."""
     players = {one.match.id: [data.names[entrant] for entrant in one.match.seating] for one in data.played}
     party = data.tournament.config.team_by_seat
     closest: dict[str, tuple[int, str, Contest]] = {}

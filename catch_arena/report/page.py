@@ -36,13 +36,9 @@ MOST_LISTED: Final = 20_000
 def write_report(
     folder: Path, *, budget: int = BUDGET, matches: Sequence[str] = (), output: Path | None = None
 ) -> Path:
-    """Write the report of a tournament, whole or not at all.
+    """Write the report of a tournament, whole or not at all; without `output`, into its folder.
 
-    Args:
-        folder: the tournament's folder.
-        budget: number of bytes that its replays may take.
-        matches: ids of matches whose replays it has in any case.
-        output: the file to write; if None, it is in the folder.
+    Its replays may take `budget` bytes, and more only for those of `matches`, given by their ids.
 
     Raises:
         StoreError: if there is nothing to report.
@@ -69,14 +65,9 @@ def page(
     *,
     watched: bool = False,
 ) -> str:
-    """Return the report as HTML.
+    """Return the report as HTML, which plays the selected matches; the best moment is chosen from `explanations`.
 
-    Args:
-        data: the tournament's data.
-        selected: the matches that the page plays, by their ids.
-        explanations: the explanations of matches, by their ids, from which the best moment is chosen.
-        lost: contests that agents lost, with their answers.
-        watched: whether the page is served; it then requests news, and the replays that it shows.
+    A `watched` page is served, and requests news and the replays that it shows.
     """
     moment = best_moment(explanations)
     titles = {one.match.id: one.match.title(data.parties.block_size) for one in data.played}

@@ -22,8 +22,7 @@ class SelectedMatch(NamedTuple):
 def select_matches(data: ReportData, budget: int, requested: Sequence[str] = ()) -> dict[str, SelectedMatch]:
     """Return matches by their ids, until their bundles take `budget` bytes; `requested` matches come first, and always.
 
-    Raises:
-        ReplayError: if a requested match was not recorded.
+    Raises ReplayError if a requested match was not recorded.
     """
     selected: dict[str, SelectedMatch] = {}
     taken = 0

@@ -57,11 +57,7 @@ class LiveReport:
         return self._page
 
     def bundle(self, match: str) -> str:
-        """Return the replay bundle of any recorded match.
-
-        Raises:
-            CatchArenaError: if it was not recorded.
-        """
+        """Return the replay bundle of any recorded match; raise CatchArenaError for another one."""
         if self._data is None:
             raise ReplayError("no match has been played yet; reload the page later")
         return bundle_text(self._data.replay(match))
