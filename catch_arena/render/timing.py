@@ -37,25 +37,13 @@ class Clip:
         return 1000 * self.speed / self.fps
 
 
-@dataclass(frozen=True, slots=True)
-class FrameSpan:
-    """Motion of one step, and its frames: none before the first frame, or in steps shorter than a frame."""
+def frame_spans(
+    worlds: Iterable[World], times_ms: Sequence[float]
+) -> Iterator[tuple[StepMotion, Sequence[float], Poses | None]]:
+    """Yield the steps of a match up to the last frame: motion, instants of its frames, and poses at the tick after it.
 
-    motion: StepMotion
-    times_ms: Sequence[float]
-    """Instants of its frames [ms]."""
-    next_tick: Poses | None
-
-
-def frame_spans(worlds: Iterable[World], times_ms: Sequence[float]) -> Iterator[FrameSpan]:
-    """Yield the steps of a match up to the last frame, each with its frames, which show [t, t + period).
-
-    Memory does not grow with the match: two steps are known at a time. A match without steps gives one motion from its
-    state to itself.
-
-    Args:
-        worlds: the match's states.
-        times_ms: the instants of the frames, in order.
+    The instants are in order, in [t, t + period), and none before the first frame. Memory does not grow with the match:
+    two steps are known at a time. A match without steps gives one motion from its state to itself.
     """
     stream = iter(worlds)
     first = next(stream)
@@ -67,5 +55,5 @@ def frame_spans(worlds: Iterable[World], times_ms: Sequence[float]) -> Iterator[
         following = next(motions, None)
         end = len(times_ms) if following is None else bisect_left(times_ms, motion.after.time_ms)
         next_tick = None if following is None else following.poses[min(1, len(following.poses) - 1)]
-        yield FrameSpan(motion, times_ms[shown:end], next_tick)
+        yield motion, times_ms[shown:end], next_tick
         shown, motion = end, following

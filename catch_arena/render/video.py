@@ -214,10 +214,10 @@ def frames_of(worlds: Iterable[World], renderer: MatchRenderer, times_ms: Sequen
 
     Steps before the first frame are played too, so that their trails and catches are shown.
     """
-    for step_frames in frame_spans(worlds, times_ms):
-        renderer.enter(step_frames.motion)
-        for time_ms in step_frames.times_ms:
-            yield renderer.draw(time_ms, step_frames.motion.at(time_ms, step_frames.next_tick))
+    for motion, step_times_ms, next_tick in frame_spans(worlds, times_ms):
+        renderer.enter(motion)
+        for time_ms in step_times_ms:
+            yield renderer.draw(time_ms, motion.at(time_ms, next_tick))
 
 
 def clip_of(replay: Replay, fps: int, start_s: float, end_s: float | None, speed: float) -> Clip:

@@ -26,9 +26,9 @@ def test_every_frame_belongs_to_one_step_and_lies_in_it(play, fps, period, speed
     replay = play("duel", control_period_ms=period, max_cycles=6)
     clip = Clip(0, 6 * period, fps, speed)
     shown = []
-    for span in frame_spans(replay.worlds(), clip.times_ms):
-        for time_ms in span.times_ms:
-            assert span.motion.before.time_ms <= time_ms < span.motion.after.time_ms or time_ms == 0
+    for motion, times_ms, _ in frame_spans(replay.worlds(), clip.times_ms):
+        for time_ms in times_ms:
+            assert motion.before.time_ms <= time_ms < motion.after.time_ms or time_ms == 0
             shown.append(time_ms)
     assert shown == clip.times_ms == [pytest.approx(1000 * float(speed) * k / fps) for k in range(clip.frames)]
 
@@ -36,12 +36,12 @@ def test_every_frame_belongs_to_one_step_and_lies_in_it(play, fps, period, speed
 def test_a_part_of_a_match_begins_and_ends_where_it_is_told_and_no_later_step_is_played(match):
     clip = Clip(1250, 2000, 60)
     read = list(frame_spans(match.worlds(), clip.times_ms))
-    frames = [(span.motion, time_ms) for span in read for time_ms in span.times_ms]
+    frames = [(motion, time_ms) for motion, times_ms, _ in read for time_ms in times_ms]
     assert len(frames) == 45
     assert frames[0][1] == 1250.0
     assert frames[0][0].before.time_ms == 1200
-    assert read[0].motion.before.time_ms == 0  # what came before is told, without frames
-    assert read[-1].motion.after.time_ms == 2000
+    assert read[0][0].before.time_ms == 0  # what came before is told, without frames
+    assert read[-1][0].after.time_ms == 2000
 
 
 @pytest.mark.parametrize(
@@ -68,9 +68,9 @@ def test_motion_is_smooth_across_step_boundaries(match):
     limit = match.config.max_speed_mps / fps * 1.02
     last = None
     fastest = 0.0
-    for span in frame_spans(match.worlds(), Clip(0, 3000, fps).times_ms):
-        for time_ms in span.times_ms:
-            poses = span.motion.at(time_ms, span.next_tick).hunters
+    for motion, times_ms, next_tick in frame_spans(match.worlds(), Clip(0, 3000, fps).times_ms):
+        for time_ms in times_ms:
+            poses = motion.at(time_ms, next_tick).hunters
             if last is not None:
                 fastest = max(fastest, *(math.dist(a[:2], b[:2]) for a, b in zip(last, poses, strict=True)))
             last = poses
