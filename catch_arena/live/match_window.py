@@ -236,7 +236,7 @@ class MatchWindow:
             place, since_ms = poses.targets[target.number], target.spawned_ms
         if not (0 <= time_ms - since_ms < _POINTED_MS or self._paused):
             return []
-        return overlays.seat_pointer(self._renderer.viewport, place[:2], self._info.color(self._seat))
+        return overlays.seat_pointer(self._renderer.viewport, place[:2], self._info.colors[self._seat])
 
     def _keys_overlay(self, below: str) -> list[Shape]:
         rows = overlays.WINDOW if self._seat is None else (*overlays.DRIVING, *overlays.WINDOW)

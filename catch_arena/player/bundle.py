@@ -126,7 +126,7 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
             {
                 "name": info.names[seat],
                 "label": info.label(seat),
-                "color": css(info.color(seat)),
+                "color": css(info.colors[seat]),
                 "reach": config.reaches[seat],
                 "pieces": info.rings[seat],
             }

@@ -151,7 +151,7 @@ def annotation_shapes(
         x, y = viewport.to_pixels(annotation.x, annotation.y)
         for seat, thickness in lines:  # they become thinner, since paths are opaque
             width = max(0.8, 0.08 * viewport.hunter_length * thickness * (1.0 - part))
-            color = mix(info.color(seat), GROUND, 0.8 * part)
+            color = mix(info.colors[seat], GROUND, 0.8 * part)
             shapes.append(Path((viewport.to_pixels(*poses[seat][:2]), (x, y)), width, color))
         if annotation.kind == "catch":
             shapes.append(_catch_ring(viewport, x, y, part))
@@ -184,7 +184,7 @@ def _names(viewport: Viewport, info: MatchInfo, poses: Mapping[int, Pose2D], tak
             inside = half_width < x < viewport.width - half_width and size < middle < viewport.height - size
             if inside and not any(_overlap(room, other) for other in (*others, *boxes)):
                 boxes.append(room)
-                color = mix(info.color(agent), WHITE, 0.5)
+                color = mix(info.colors[agent], WHITE, 0.5)
                 names.append(Label(x, middle, name, size, color, 600, "center", outline=INK))
                 break
     return names
@@ -267,7 +267,7 @@ def _text_shapes(
         room = _moved_clear(_TextBox(x, y + side * away, half_width, 0.5 * size), side, taken)
         room = room._replace(y=min(max(room.y, 0.6 * size), viewport.height - 0.6 * size))
         taken.append(room)
-        color = mix(info.color(annotation.seat), WHITE, 0.35)
+        color = mix(info.colors[annotation.seat], WHITE, 0.35)
         opacity = min(1.0, 3.0 * (1.0 - part))
         shapes.append(Label(x, room.y, text, size, color, 800, "center", outline=INK, opacity=opacity))
     return shapes

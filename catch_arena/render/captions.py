@@ -102,7 +102,7 @@ def caption_shapes(
     if kind == "none":
         return shapes
     text = f"{caption.text} ({caption.clause})" if kind == "clauses" else caption.text
-    return [*shapes, *panel_shapes(viewport, info.color(caption.agent), text, at_top=caption.at_top)]
+    return [*shapes, *panel_shapes(viewport, info.colors[caption.agent], text, at_top=caption.at_top)]
 
 
 def panel_shapes(viewport: Viewport, color: Color, text: str, *, at_top: bool, whole: bool = False) -> list[Shape]:

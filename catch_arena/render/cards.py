@@ -32,11 +32,11 @@ def title_shapes(area: tuple[int, int], info: MatchInfo) -> list[Shape]:
     unit = min(width, height) / 720.0
     middle, room = width / 2.0, 0.88 * width
     big, size, small = (hud.font_size(pixels * unit, 11) for pixels in (54, 30, 24))
-    rows = [(info.label(agent), info.color(agent)) for agent in range(info.config.hunters)]
+    rows = [(info.label(agent), info.colors[agent]) for agent in range(info.config.hunters)]
     if info.has_teams:
         rows = [(_members(info, contender), contender.color) for contender in info.contenders]
     prey = range(info.config.hunters, len(info.names))
-    rows += [(f"{info.label(agent)}, prey", info.color(agent)) for agent in prey]
+    rows += [(f"{info.label(agent)}, prey", info.colors[agent]) for agent in prey]
     left_out = len(rows) - _MOST_ROWS if len(rows) > _MOST_ROWS + 1 else 0
     rows = rows[: len(rows) - left_out]
     line, left_out_room = 1.6 * size, 1.6 * size * bool(left_out)

@@ -20,7 +20,7 @@ def with_ghost(
 ) -> Iterator[Pixels]:
     """Yield the renderer's pictures of a match with the ghost of an answer, and with `words` the answer's sentence."""
     viewport = renderer.viewport
-    color, track = renderer.info.color(answer.seat), ghost_track(answer)
+    color, track = renderer.info.colors[answer.seat], ghost_track(answer)
     at_top = is_low(track, viewport.side_m)
     for pixels, time_ms in zip(pictures, times_ms, strict=True):
         renderer.draw_over(ghost_shapes(viewport, color, track, time_ms))

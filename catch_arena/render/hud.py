@@ -222,7 +222,7 @@ def chip_width(info: MatchInfo, size: float) -> float:
 
 def agent_chip(x: float, middle: float, info: MatchInfo, agent: int, size: float) -> list[Shape]:
     """Return the shapes of an agent's number on its colour; `x` is the left end, and all agents' are equally wide."""
-    return chip(x, middle, info.number(agent), info.color(agent), size, chip_width(info, size))
+    return chip(x, middle, info.number(agent), info.colors[agent], size, chip_width(info, size))
 
 
 def chip(x: float, middle: float, text: str, color: Color, size: float, width: float = 0.0) -> list[Shape]:
@@ -262,7 +262,7 @@ def strip_shapes(area: Rect, info: MatchInfo, scores: Sequence[int], standings: 
         if len(agents) * (chip_width(info, size) + 2.2 * size) > room:
             agents = ranked(agents)
     for entry in agents:
-        color = mix(info.color(entry.agent), PANEL, 0.6 * entry.faded)
+        color = mix(info.colors[entry.agent], PANEL, 0.6 * entry.faded)
         entries.append((info.number(entry.agent), color, info.names[entry.agent], str(entry.score)))
     # room for two digits: names do not vanish with the tenth catch
     widths = [(0.6 * len(text) + 1.6 + 0.66 * max(2, len(score)) * bool(score)) * size for text, _, _, score in entries]

@@ -120,15 +120,15 @@ def _inset(left: float, top: float, size: float, info: MatchInfo, lens: Lens) ->
         end = (x + math.cos(claimant.direction) * away, y - math.sin(claimant.direction) * away)
         shapes += [
             Path(((x, y), end), 7 * unit, INK),
-            Path(((x, y), end), 4 * unit, info.color(claimant.seat)),
-            Turtle(*end, claimant.theta, 46 * unit, info.color(claimant.seat)),
+            Path(((x, y), end), 4 * unit, info.colors[claimant.seat]),
+            Turtle(*end, claimant.theta, 46 * unit, info.colors[claimant.seat]),
             Label(*end, info.number(claimant.seat), text, WHITE, 800, "center", outline=INK),
         ]
     shapes.append(Turtle(x, y, 0.5 * math.pi, 28 * unit, TARGET, contrast=0.6))
     panel = top + 0.68 * size
     shapes.append(Box(left + edge, panel, size - 2.0 * edge, 0.32 * size - edge, hud.PANEL, 0.055 * size))
     rows = [(claimant, millimetres(claimant.distance_um)) for claimant in lens.claimants[:2]]
-    color = hud.legible(info.color(winner.seat))
+    color = hud.legible(info.colors[winner.seat])
     right, middle = left + 0.95 * size, panel + 0.055 * size
     for claimant, distance in rows:
         shapes += hud.agent_chip(left + 0.05 * size, middle, info, claimant.seat, 0.9 * text)

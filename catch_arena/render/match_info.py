@@ -117,10 +117,6 @@ class MatchInfo:
         """R5.9: true if a queue, drawn by lot, decides contests and not distance."""
         return self.config.policy == "first_come"
 
-    def color(self, agent: int) -> Color:
-        """Return an agent's colour."""
-        return self.colors[agent]
-
     def number(self, agent: int) -> str:
         """Return the shortest label of an agent: a hunter's seat, or P and a prey's index."""
         hunters = self.config.hunters

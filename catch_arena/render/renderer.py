@@ -133,7 +133,7 @@ class MatchRenderer:
         self._scores = after.team_scores
         self._commentary.record(began_ms, annotations, self._scores)
         self._prey_colors = {
-            target.number: self.info.color(self.info.prey(target.prey))
+            target.number: self.info.colors[self.info.prey(target.prey)]
             for target in after.targets
             if target.prey is not None
         }
@@ -206,7 +206,7 @@ class MatchRenderer:
             own = [poses.targets[number] for poses in way if number in poses.targets]
             self._ground.draw_trail(own, self._prey_colors.get(number))
         for seat in range(len(self._poses.hunters)):
-            self._ground.draw_trail([poses.hunters[seat] for poses in way], self.info.color(seat))
+            self._ground.draw_trail([poses.hunters[seat] for poses in way], self.info.colors[seat])
 
     def _draw_around(self, time_ms: float, played_ms: float) -> None:
         """Draw the parts around the arena; the clock stands still after the end."""

@@ -69,8 +69,8 @@ def arena_shapes(
     shapes: list[Shape] = []
     if view_of is not None and not world.hunters[view_of].withdrawn:
         if info.config.partial_view:
-            shapes.append(_view(viewport, info, poses.hunters[view_of], info.color(view_of)))
-        shapes += [_belief(viewport, belief, info.color(view_of)) for belief in beliefs]
+            shapes.append(_view(viewport, info, poses.hunters[view_of], info.colors[view_of]))
+        shapes += [_belief(viewport, belief, info.colors[view_of]) for belief in beliefs]
     places = dict(enumerate(poses.hunters))
     withdrawn = {prey.target for prey in world.prey if prey.withdrawn}
     for target in world.targets:
@@ -81,7 +81,7 @@ def arena_shapes(
             shapes += _target(viewport, target, pose, time_ms, faded=target.name in withdrawn)
     for seat, hunter in enumerate(world.hunters):
         reach = info.config.reaches[seat] * viewport.scale
-        shapes += _hunter(viewport, hunter, poses.hunters[seat], info.color(seat), reach, info.rings[seat])
+        shapes += _hunter(viewport, hunter, poses.hunters[seat], info.colors[seat], reach, info.rings[seat])
     return shapes + annotation_shapes(viewport, info, places, annotations, time_ms)
 
 

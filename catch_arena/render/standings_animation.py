@@ -105,7 +105,7 @@ def _line_shapes(
     entry = line.agent_score
     middle = top + height / 2.0
     size = min(font_size(0.54 * height, 10), font_size(21 * unit, 11), font_size(0.085 * width, 9))
-    color = info.color(entry.agent)
+    color = info.colors[entry.agent]
     x = left + 0.3 * size
     shapes: list[Shape] = [Turtle(x + 0.85 * size, middle, 0.0, 1.75 * size, color, faded=entry.faded)]
     x += 2.1 * size

@@ -120,7 +120,7 @@ def test_agents_of_a_tournament_keep_their_colours():
     config = ArenaConfig(hunters=4)
     one = MatchInfo.of(config, "abcd", colors=(5, 0, 2, 1))
     other = MatchInfo.of(config, "baec", colors=(0, 5, 7, 2))
-    assert (one.color(0), one.color(1), one.color(2)) == (other.color(1), other.color(0), other.color(3))
+    assert (one.colors[0], one.colors[1], one.colors[2]) == (other.colors[1], other.colors[0], other.colors[3])
     twice = MatchInfo.of(config, "aabc", colors=(5, 5, 0, 1))
-    assert len({twice.color(seat) for seat in range(4)}) == 4
-    assert an_info(4).color(1) != an_info(4).color(0)
+    assert len({twice.colors[seat] for seat in range(4)}) == 4
+    assert an_info(4).colors[1] != an_info(4).colors[0]

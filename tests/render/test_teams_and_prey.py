@@ -33,7 +33,7 @@ def test_prey_stands_below_the_hunters_the_seldomest_caught_first_and_is_said_to
     rows = {label.text: label.y for label in kinds(shapes, Label)}
     assert rows["hunter_1"] < rows["hunter_0"] < rows["prey_1"] < rows["prey_0  (out)"]
     assert {"P0", "P1", "caught"} <= rows.keys()
-    assert [box for box in kinds(shapes, Box) if box.color == info.color(2)] == []  # no bar for prey
+    assert [box for box in kinds(shapes, Box) if box.color == info.colors[2]] == []  # no bar for prey
     assert_inside(shapes, area)
 
 

@@ -42,7 +42,7 @@ def test_the_leader_is_named_with_its_lead_and_its_line_is_the_highest():
     assert f"+1  {info.names[0]}" in texts
     lines = kinds(shapes, Path)
     ends = {line.color: line.points[-1][1] for line in lines}
-    heights = [ends[hud.legible(info.color(seat))] for seat in (0, 2, 1)]
+    heights = [ends[hud.legible(info.colors[seat])] for seat in (0, 2, 1)]
     assert heights == sorted(heights)
 
 

@@ -48,7 +48,7 @@ def test_eight_hunters_keep_apart_for_every_sight(sight):
 
 def test_sixty_four_hunters_have_colours_and_neighbours_in_the_table_differ():
     info = MatchInfo.of(ArenaConfig(hunters=64))
-    colors = [info.color(seat) for seat in range(64)]
+    colors = [info.colors[seat] for seat in range(64)]
     assert len(set(colors)) == 24
     assert all(a != b for a, b in itertools.pairwise(colors))
 

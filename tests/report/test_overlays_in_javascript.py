@@ -103,7 +103,7 @@ def drawn(matches, answers):
                     "name": info.names[agent],
                     "number": info.number(agent),
                     "hunted": hunted,
-                    "color": css(info.color(agent)),
+                    "color": css(info.colors[agent]),
                     "reach": 0.0 if hunted else replay.config.reaches[agent] * viewport.scale,
                     "x": x,
                     "y": y,
@@ -195,9 +195,9 @@ def test_the_ghost_and_its_answer_are_those_of_videos(matches, answers, drawn, s
     for answer, instants in zip(given, drawn[scenario]["answers"], strict=True):
         track = ghost_track(answer)
         at_top = is_low(track, replay.config.side_m)
-        words = captions.panel_shapes(viewport, info.color(answer.seat), answer.sentence, at_top=at_top, whole=True)
+        words = captions.panel_shapes(viewport, info.colors[answer.seat], answer.sentence, at_top=at_top, whole=True)
         for time_ms, one in zip(times, instants, strict=True):
-            ghost = ghost_shapes(viewport, info.color(answer.seat), track, time_ms)
+            ghost = ghost_shapes(viewport, info.colors[answer.seat], track, time_ms)
             ghosts += bool(ghost)
             assert_same(one, [*ghost, *words])
     assert ghosts
