@@ -26,7 +26,6 @@ class Format:
     """One kind of video file, and its defaults."""
 
     name: str
-    container: str
     encoder: str
     """Name of the encoder in FFmpeg."""
     size: tuple[int, int]
@@ -41,7 +40,6 @@ class Format:
 FORMATS: Final[Mapping[str, Format]] = {
     ".mp4": Format(
         "MP4",
-        "mp4",
         "libx264",
         (1280, 720),
         60,
@@ -51,17 +49,15 @@ FORMATS: Final[Mapping[str, Format]] = {
     ),
     ".webm": Format(
         "WebM",
-        "webm",
         "libvpx-vp9",
         (1280, 720),
         60,
         options={"deadline": "realtime", "cpu-used": "7", "row-mt": "1", "crf": "34", "b": "0"},
     ),
     # browsers show a GIF's frames for at least 20 ms, and its times are hundredths of a second
-    ".gif": Format("GIF", "gif", "gif", (640, 360), 25, most_fps=50, container_options={"loop": "0"}, even=False),
+    ".gif": Format("GIF", "gif", (640, 360), 25, most_fps=50, container_options={"loop": "0"}, even=False),
     ".webp": Format(
         "animated WebP",
-        "webp",
         "libwebp_anim",
         (640, 360),
         30,
@@ -70,7 +66,7 @@ FORMATS: Final[Mapping[str, Format]] = {
         container_options={"loop": "0"},
     ),
 }
-"""Formats by the file's ending."""
+"""Formats by the file's ending, which without its dot is the name of the container in FFmpeg."""
 
 _BT601: Final = 6
 """Matrix with which cv2 converts RGB to YUV (SMPTE 170M)."""
@@ -94,16 +90,14 @@ class VideoFile:
 
     _pixel_format = "yuv420p"
 
-    def __init__(self, path: Path, kind: Format, unfinished: Path, size: tuple[int, int], fps: int) -> None:
-        self.path = path
-        """File that appears when the video is complete."""
+    def __init__(self, path: Path, kind: Format, size: tuple[int, int], fps: int) -> None:
         self._av = _pyav(kind)
         self._size = size
         self._written = 0
         self._time_base = Fraction(1, fps)
         # the format is given: FFmpeg reads %d in a name as the number of a picture
-        options = dict(kind.container_options)
-        self._container = self._av.open(str(unfinished), "w", format=kind.container, options=options)
+        container, options = path.suffix[1:].lower(), dict(kind.container_options)
+        self._container = self._av.open(str(path), "w", format=container, options=options)
         self._stream = self._container.add_stream(kind.encoder, rate=fps, options=dict(kind.options))
         self._stream.width, self._stream.height = size
         self._stream.pix_fmt = self._pixel_format
@@ -145,8 +139,8 @@ class _GifFile(VideoFile):
 
     _pixel_format = "pal8"
 
-    def __init__(self, path: Path, kind: Format, unfinished: Path, size: tuple[int, int], fps: int) -> None:
-        super().__init__(path, kind, unfinished, size, fps)
+    def __init__(self, path: Path, kind: Format, size: tuple[int, int], fps: int) -> None:
+        super().__init__(path, kind, size, fps)
         self._waiting = tempfile.TemporaryFile(dir=path.parent)  # noqa: SIM115 - `close` closes it
         self._packed = gzip.GzipFile(fileobj=self._waiting, mode="wb", compresslevel=1)
         self._palette, _ = self._graph("palettegen", "", ("rgb24", *size))
@@ -222,7 +216,7 @@ def video_file(path: str | os.PathLike[str], size: tuple[int, int], fps: int) ->
     path = Path(path)
     kind = format_of(path)
     with unfinished_file(path, ending=path.suffix) as unfinished:
-        video = (_GifFile if kind.name == "GIF" else VideoFile)(path, kind, unfinished, size, fps)
+        video = (_GifFile if kind.name == "GIF" else VideoFile)(unfinished, kind, size, fps)
         try:
             yield video
             video.finish()

@@ -19,10 +19,11 @@ def test_a_picture_in_which_nothing_happens_has_all_its_frames_too(tmp_path):
     """Encoders that merge what looks alike are no reason to call a file incomplete."""
     still = np.full((320, 480, 4), 77, dtype=np.uint8)
     for ending in ENDINGS:
-        with video_file(tmp_path / f"still{ending}", (480, 320), 30) as video:
+        path = tmp_path / f"still{ending}"
+        with video_file(path, (480, 320), 30) as video:
             for _ in range(45):
                 video.write(still)
-        assert np.abs(decoded(video.path)[-1].astype(int) - 77).max() <= 2
+        assert np.abs(decoded(path)[-1].astype(int) - 77).max() <= 2
 
 
 def test_places_that_cannot_be_written_to(match, tmp_path):
@@ -43,9 +44,9 @@ def test_any_name_that_the_disk_allows_is_a_videos(tmp_path, ending):
         with video_file(folder / name, (480, 320), 30) as video:
             for shade in (0, 100, 200):
                 video.write(np.full((320, 480, 4), shade, dtype=np.uint8))
-        assert len(decoded(video.path)) == 3
+        assert len(decoded(folder / name)) == 3
         assert [path.name for path in folder.iterdir()] == [name]
-        video.path.unlink()
+        (folder / name).unlink()
 
 
 @pytest.mark.parametrize("ending", ENDINGS)
