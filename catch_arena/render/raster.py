@@ -140,35 +140,32 @@ class Ground:
     """Floor of the arena with its trails, which fade to nothing."""
 
     def __init__(self, viewport: Viewport) -> None:
-        self.viewport = viewport
+        self._viewport = viewport
         clean = Canvas.blank(viewport.width, viewport.height, OUTSIDE)
         clean.draw(scene.ground_shapes(viewport))
         self._clean = clean.pixels
         self._floor = Canvas.blank(viewport.width, viewport.height, OUTSIDE)
+        self.pixels = self._floor.pixels
+        """Pixels of the floor, of shape (height, width, 4)."""
         # reused, since allocating a megabyte for every fade costs more than the fade
         self._above, self._below = np.empty_like(self._clean), np.empty_like(self._clean)
         self._time_ms = 0.0
         self.reset()
 
-    @property
-    def pixels(self) -> Pixels:
-        """Pixels of the floor, of shape (height, width, 4)."""
-        return self._floor.pixels
-
     def reset(self, time_ms: float = 0.0) -> None:
         """Remove all trails."""
-        self._floor.pixels[:] = self._clean
+        self.pixels[:] = self._clean
         self._time_ms = time_ms
 
     def draw_trail(self, way: list[Pose2D], agent_color: shapes.Color | None) -> None:
         """Draw a piece of an agent's way in its colour, or of the way of a target that no agent plays."""
         if any(pose[:2] != way[0][:2] for pose in way):
-            self._floor.draw((scene.trail_shape(self.viewport, way, agent_color),))
+            self._floor.draw((scene.trail_shape(self._viewport, way, agent_color),))
 
     def fade(self, time_ms: float) -> None:
         """Fade the trails up to an instant, in at most 150 steps: after long waits there is nothing left to fade."""
         times = int(time_ms // FADE_MS) - int(self._time_ms // FADE_MS)
-        floor, above, below = self._floor.pixels, self._above, self._below
+        floor, above, below = self.pixels, self._above, self._below
         for _ in range(min(times, 150)):
             cv2.subtract(floor, self._clean, above)
             cv2.subtract(self._clean, floor, below)

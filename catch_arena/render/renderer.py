@@ -65,24 +65,15 @@ class MatchRenderer:
         self._observations: dict[int, NDArray[np.float32]] = {}
         self._plan = hud.arrange(size, layout, len(info.names), len(info.contenders) if info.has_teams else 0)
         self._frame = Canvas.blank(*size, hud.PANEL)
-        self._arena = self._frame.part(self._plan.arena)
-        self._ground = Ground(Viewport(*self._plan.arena[2:], info.config.side_m))
-        self.reset()
-
-    @property
-    def pixels(self) -> Pixels:
+        self.pixels = self._frame.pixels
         """Shared buffer of shape (height, width, 4), whose fourth byte is unused; the next `draw` overwrites it."""
-        return self._frame.pixels
-
-    @property
-    def arena(self) -> hud.Rect:
+        self.arena = self._plan.arena
         """Area of the arena in the picture."""
-        return self._plan.arena
-
-    @property
-    def viewport(self) -> Viewport:
+        self._arena = self._frame.part(self.arena)
+        self.viewport = Viewport(*self.arena[2:], info.config.side_m)
         """Place of the arena's square in that area."""
-        return self._ground.viewport
+        self._ground = Ground(self.viewport)
+        self.reset()
 
     @property
     def leader(self) -> int | None:
