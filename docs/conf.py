@@ -16,7 +16,8 @@ from typer.testing import CliRunner
 
 import catch_arena
 from catch_arena.cli import main
-from catch_arena.player import bundle_text, element_script
+from catch_arena.player.bundle import bundle_text
+from catch_arena.player.element import element_script
 from catch_arena.replay import Replay
 
 project = "Catch Arena"

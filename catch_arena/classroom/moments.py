@@ -8,8 +8,7 @@ import msgspec
 
 from catch_arena.explanation import explain
 from catch_arena.explanation.formatting import seconds
-from catch_arena.player import packed_text
-from catch_arena.player.bundle import encode_bundle
+from catch_arena.player.bundle import encode_bundle, packed_text
 from catch_arena.replay import Replay
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.parties import Parties

@@ -19,7 +19,8 @@ from catch_arena.league.entries import Entry
 from catch_arena.league.moments import Part, best_and_worst, best_moment
 from catch_arena.league.store import RatingThen, Version
 from catch_arena.league.update import League
-from catch_arena.player import css, moment_scripts
+from catch_arena.player.bundle import css
+from catch_arena.player.element import moment_scripts
 from catch_arena.player.page_template import page_policy, page_style, page_template
 from catch_arena.render.match_info import agent_color
 from catch_arena.replay import Replay

@@ -5,22 +5,9 @@
 - page/: the JavaScript.
 """
 
-from catch_arena.player.bundle import bundle_text, css, packed_text
-from catch_arena.player.element import element_script, moment_scripts, player_html, player_page, script_json
-from catch_arena.player.page_template import page_file
+from catch_arena.player.element import player_html, player_page
 from catch_arena.replay import Replay
 
-__all__ = [
-    "Replay",
-    "bundle_text",
-    "css",
-    "element_script",
-    "moment_scripts",
-    "packed_text",
-    "page_file",
-    "player_html",
-    "player_page",
-    "script_json",
-]
+__all__ = ["player_html", "player_page"]
 
 Replay.html_formatter = player_html

@@ -13,8 +13,9 @@ import jinja2
 from catch_arena.config import RULESET
 from catch_arena.explanation import Explanation
 from catch_arena.files import write_whole
-from catch_arena.player import bundle_text, css, element_script, packed_text, page_file, script_json
-from catch_arena.player.page_template import page_policy, page_style, page_template
+from catch_arena.player.bundle import bundle_text, css, packed_text
+from catch_arena.player.element import element_script, script_json
+from catch_arena.player.page_template import page_file, page_policy, page_style, page_template
 from catch_arena.render.match_info import agent_color
 from catch_arena.render.shapes import TURTLE_PARTS, Color
 from catch_arena.report import charts

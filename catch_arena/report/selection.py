@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from catch_arena.errors import ReplayError
 from catch_arena.explanation import Explanation, explain
-from catch_arena.player import bundle_text
+from catch_arena.player.bundle import bundle_text
 from catch_arena.report.data import ReportData
 from catch_arena.tournament.match import PlayedMatch
 

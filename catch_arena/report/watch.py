@@ -12,7 +12,7 @@ from urllib.parse import unquote
 
 from catch_arena.errors import CatchArenaError, ReplayError
 from catch_arena.explanation import Explanation, explain
-from catch_arena.player import bundle_text
+from catch_arena.player.bundle import bundle_text
 from catch_arena.report.data import ReportData
 from catch_arena.report.page import content_policy, page
 from catch_arena.text import printable, without_folders

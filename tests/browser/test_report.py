@@ -13,7 +13,9 @@ from render.matches import played
 from report.synthetic import tournament
 
 from catch_arena.explanation import explain, what_if
-from catch_arena.player import bundle_text, element_script, player_html, player_page
+from catch_arena.player import player_html, player_page
+from catch_arena.player.bundle import bundle_text
+from catch_arena.player.element import element_script
 from catch_arena.render import hud, viewport
 from catch_arena.render.cards import GOLD, result
 from catch_arena.render.match_info import MatchInfo

@@ -5,8 +5,7 @@ import gzip
 
 from render.matches import played
 
-from catch_arena.player import bundle_text
-from catch_arena.player.bundle import encode_bundle
+from catch_arena.player.bundle import bundle_text, encode_bundle
 
 
 def test_the_text_unpacks_to_the_bundle_and_is_the_same_at_any_time(monkeypatch):

@@ -15,8 +15,7 @@ from report.javascript import deno
 import catch_arena
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import explain, what_if
-from catch_arena.player import bundle_text, packed_text
-from catch_arena.player.bundle import GRID, TURN, css, encode_bundle
+from catch_arena.player.bundle import GRID, TURN, bundle_text, css, encode_bundle, packed_text
 from catch_arena.player.element import element_script
 from catch_arena.render.annotations import annotations_of
 from catch_arena.render.captions import Commentary

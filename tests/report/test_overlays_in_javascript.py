@@ -11,8 +11,7 @@ from report.javascript import deno
 
 import catch_arena
 from catch_arena.explanation import explain, what_if
-from catch_arena.player import bundle_text
-from catch_arena.player.bundle import css
+from catch_arena.player.bundle import bundle_text, css
 from catch_arena.player.element import player_look
 from catch_arena.render import annotations, captions, hud, lens, text
 from catch_arena.render.cards import podium_shapes

@@ -9,7 +9,7 @@ from urllib.parse import urlsplit
 import pytest
 from report.synthetic import tournament
 
-from catch_arena.player import bundle_text
+from catch_arena.player.bundle import bundle_text
 from catch_arena.report import watch
 from catch_arena.report.data import ReportData
 from catch_arena.report.watch import LiveReport, serve
