@@ -63,14 +63,11 @@ class HumanPolicy:
     control: ClassVar[Control] = "velocity"
 
     def __init__(self) -> None:
-        self._release_all()
+        self.reset()
 
-    def reset(self, seed: int) -> None:
-        """Release all keys that were held in the match before."""
+    def reset(self, seed: int = 0) -> None:
+        """Release all keys."""
         del seed
-        self._release_all()
-
-    def _release_all(self) -> None:
         self._held: set[int] = set()
         self._tapped: set[int] = set()
         self._stick = [0.0, 0.0]
@@ -93,7 +90,7 @@ class HumanPolicy:
         elif event.type in {pygame.JOYBUTTONDOWN, pygame.JOYBUTTONUP} and event.button == _GO_BUTTON:
             self._go = event.type == pygame.JOYBUTTONDOWN
         elif event.type in {pygame.WINDOWFOCUSLOST, pygame.JOYDEVICEREMOVED}:
-            self._release_all()
+            self.reset()
 
     def act(self, view: View | PreyView) -> tuple[float, float]:
         """Return the next step's command, linear and angular in [-1, 1]; a key that was tapped counts for one step."""
