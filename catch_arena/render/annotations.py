@@ -92,7 +92,8 @@ def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tupl
             annotations.append(Annotation("catch", *origin, "+1", rivals, ruling.distance_um, prey, lens))
         elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
             behind = distances[ruling.hunter] - distances[ruling.winner]
-            annotations.append(Annotation("lost", *origin, "by lot" if by_lot else margin_text(behind)))
+            by_distance = behind > 0 and not by_lot  # an exact tie is decided by lot too (R5.5)
+            annotations.append(Annotation("lost", *origin, f"−{millimetres(behind)}" if by_distance else "by lot"))
         else:
             annotations.append(Annotation("refused", *origin, ruling.verdict.name.lower().replace("_", " ")))
     return tuple(annotations)
@@ -110,13 +111,6 @@ def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, position: tup
         if seat != won.hunter and seat not in lost and distance < NEAR_UM and not hunter.withdrawn:
             rivals.append(Rival(seat, distance, requested=False))
     return tuple(sorted(rivals, key=lambda rival: (not rival.requested, rival.distance_um, rival.seat)))
-
-
-def margin_text(behind_um: int) -> str:
-    """Return the text for how much farther away the loser was; an exact tie was decided by lot (R5.5)."""
-    if behind_um == 0:
-        return "by lot"
-    return f"−{millimetres(behind_um)}"
 
 
 def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> list[Annotation]:

@@ -12,9 +12,6 @@ from numpy.typing import NDArray
 from catch_arena.render.optional_imports import cv2, pygame
 from catch_arena.text import composed
 
-Coverage = NDArray[np.uint8]
-"""Coverage of pixels, of shape (height, width), 0 to 255."""
-
 ELLIPSIS: Final = "…"
 LONGEST: Final = 200
 """Greatest number of characters of a text; a longer one is cut before it is measured."""
@@ -80,8 +77,11 @@ def wrapped(text: str, size: int, weight: int, max_width: float) -> list[str]:
     return lines
 
 
-def coverage(text: str, size: int, weight: int) -> Coverage:
-    """Return a text's coverage in one line, with `size` pixels of room at each side, the baseline at BASELINE sizes."""
+def coverage(text: str, size: int, weight: int) -> NDArray[np.uint8]:
+    """Return a text's coverage (height, width), 0 to 255, in one line.
+
+    There are `size` pixels of room at each side, and the baseline is at BASELINE sizes.
+    """
     width, height = text_width(text, size, weight) + 2 * size, math.ceil(1.55 * size)
     baseline = round(BASELINE * size)
     ink = np.zeros((height, width), dtype=np.uint8)

@@ -92,7 +92,8 @@ class Timeline:
             shapes += self._history_shapes()
         for at_s in tick_seconds(self._info.duration_ms / 1000.0, self._width / (5.2 * self._small)):
             x = min(self.x(1000.0 * at_s), self._left + self._width - 1.2 * self._small)
-            shapes.append(Label(x, self._foot, axis_time(at_s), self._small, DIM, 500, "center"))
+            text = f"{at_s:g} s" if at_s < 600 else f"{at_s / 60:.0f} min"
+            shapes.append(Label(x, self._foot, text, self._small, DIM, 500, "center"))
         return shapes
 
     def present_shapes(self, time_ms: float) -> list[Shape]:
@@ -197,8 +198,3 @@ def tick_seconds(duration_s: float, max_ticks: float) -> list[float]:
         if duration_s / step + 1 <= max(2.0, max_ticks):
             return [step * count for count in range(math.floor(duration_s / step + 1e-9) + 1)]
     return [0.0]
-
-
-def axis_time(at_s: float) -> str:
-    """Return a round time as text for the timeline's axis."""
-    return f"{at_s:g} s" if at_s < 600 else f"{at_s / 60:.0f} min"

@@ -6,7 +6,7 @@ from typing import Final, NamedTuple
 
 from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.formatting import millimetres
-from catch_arena.explanation.highlights import Highlight, best_highlights, has_loser
+from catch_arena.explanation.highlights import Highlight, has_loser
 from catch_arena.explanation.match_summary import Explanation
 from catch_arena.explanation.what_if import WhatIf, what_if
 from catch_arena.report.charts import number
@@ -42,11 +42,6 @@ def figures(data: ReportData, explanations: Mapping[str, Explanation]) -> list[F
         Figure("Contests decided", number(contests)),
         Figure("Closest contest", millimetres(min(margins)), among) if margins else Figure("Catches", number(catches)),
     ]
-
-
-def best_moment(explanations: Mapping[str, Explanation]) -> tuple[str, Highlight] | None:
-    """Return the best highlight of some matches, after the id of its match; None if they have none."""
-    return next(iter(best_highlights(explanations, 1)), None)
 
 
 @dataclass(frozen=True, slots=True)

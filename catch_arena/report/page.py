@@ -12,6 +12,7 @@ import jinja2
 
 from catch_arena.config import RULESET
 from catch_arena.explanation import Explanation
+from catch_arena.explanation.highlights import best_highlights
 from catch_arena.files import write_whole
 from catch_arena.player.bundle import bundle_text, css, packed_text
 from catch_arena.player.element import element_script, script_json
@@ -20,7 +21,7 @@ from catch_arena.render.match_info import agent_color
 from catch_arena.render.shapes import TURTLE_PARTS, Color
 from catch_arena.report import charts
 from catch_arena.report.data import ReportData
-from catch_arena.report.moments import LostContest, answer_to, best_moment, figures, find_lost_contests
+from catch_arena.report.moments import LostContest, answer_to, figures, find_lost_contests
 from catch_arena.report.selection import SelectedMatch, select_matches
 from catch_arena.text import without_folders
 from catch_arena.tournament.entrants import SHIPPED_PREY
@@ -70,7 +71,7 @@ def page(
 
     A `watched` page is served, and requests news and the replays that it shows.
     """
-    moment = best_moment(explanations)
+    moment = next(iter(best_highlights(explanations, 1)), None)
     titles = {one.match.id: one.match.title(data.parties.block_size) for one in data.played}
     colors = [agent_color(data.tournament.config, number) for number in range(len(data.tournament.entrants))]
     return _template().render(

@@ -9,9 +9,10 @@ from dataclasses import replace
 import pytest
 
 from catch_arena.explanation import explain
+from catch_arena.explanation.highlights import best_highlights
 from catch_arena.report import write_report
 from catch_arena.report.data import ReportData
-from catch_arena.report.moments import answer_to, best_moment, find_lost_contests
+from catch_arena.report.moments import answer_to, find_lost_contests
 from catch_arena.verdicts import Verdict
 
 
@@ -50,7 +51,7 @@ def test_each_agent_has_the_closest_contest_that_it_lost_as_the_nearest_loser(da
 
 
 def test_the_best_moment_has_the_answer_to_its_contest(events, lost):
-    _, moment = best_moment(events)
+    ((_, moment),) = best_highlights(events, 1)
     contest = lost[0].answer.contest
     for kind, answer in (("contest", lost[0].answer), ("finish", None)):
         highlight = replace(moment, kind=kind, decisive_ms=contest.judged_ms)

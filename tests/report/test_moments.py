@@ -4,9 +4,9 @@ from report.synthetic import tournament
 
 from catch_arena.explanation import explain
 from catch_arena.explanation.formatting import millimetres
-from catch_arena.explanation.highlights import find_highlights
+from catch_arena.explanation.highlights import best_highlights, find_highlights
 from catch_arena.report.data import ReportData
-from catch_arena.report.moments import best_moment, figures
+from catch_arena.report.moments import figures
 
 
 def test_the_figures_are_those_of_the_replays(played):
@@ -40,8 +40,8 @@ def test_the_closest_contest_says_in_how_many_matches_and_gives_way_to_catches_w
 def test_the_best_moment_is_the_best_highlight(played):
     data = ReportData.of(played)
     events = {match: explain(data.replay(match)) for match in sorted(data.recorded)}
-    match, moment = best_moment(events)
+    ((match, moment),) = best_highlights(events, 1)
     best = max(highlight.score for one in events.values() for highlight in find_highlights(one))
     assert moment.score >= best
     assert moment in find_highlights(events[match])
-    assert best_moment({}) is None
+    assert best_highlights({}, 1) == []
