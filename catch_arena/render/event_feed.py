@@ -32,7 +32,7 @@ class FeedItem:
     times: int = 1
 
 
-def feed_items(annotation: Annotation) -> Iterator[FeedItem]:
+def feed_items(annotation: Annotation, *, by_lot: bool) -> Iterator[FeedItem]:
     """Yield the items of a refusal, of a catch with a rival near, and of a catch of prey."""
     time_ms, seat = annotation.time_ms, annotation.seat
     if annotation.kind == "refused":
@@ -40,21 +40,24 @@ def feed_items(annotation: Annotation) -> Iterator[FeedItem]:
     if annotation.rivals and annotation.distance_um is not None:
         rival = annotation.rivals[0]
         behind = rival.distance_um - annotation.distance_um
-        margin = f"by {millimetres(behind)}" if behind > 0 else "by lot"
+        margin = f"by {millimetres(behind)}"
         if rival.requested:
-            yield FeedItem(time_ms, (seat, "beat", rival.seat, margin), "contest")
+            decided = margin if behind > 0 and not by_lot else "by lot"
+            yield FeedItem(time_ms, (seat, "beat", rival.seat, decided), "contest")
         elif behind > 0:
             yield FeedItem(time_ms, (seat, "ahead of", rival.seat, margin), "near")
     if annotation.prey is not None:
         yield FeedItem(time_ms, (seat, "caught", annotation.prey), "contest")
 
 
-def with_items(feed: Sequence[FeedItem], annotations: Iterable[Annotation]) -> tuple[FeedItem, ...]:
+def with_items(
+    feed: Sequence[FeedItem], annotations: Iterable[Annotation], *, by_lot: bool = False
+) -> tuple[FeedItem, ...]:
     """Return the feed, the newest item first, with the items of the latest annotations.
 
-    Refusals of the same hunter for the same reason are one item with a count.
+    Refusals of the same hunter for the same reason are one item with a count. `by_lot` is as in `annotations_of`.
     """
-    for item in chain.from_iterable(map(feed_items, annotations)):
+    for item in chain.from_iterable(feed_items(annotation, by_lot=by_lot) for annotation in annotations):
         same = [old for old in feed if item.kind == "refused" and old.parts == item.parts]
         counted = replace(item, times=item.times + sum(old.times for old in same))
         feed = [counted, *(old for old in feed if old not in same)][:MOST_ITEMS]

@@ -119,7 +119,7 @@ class MatchRenderer:
         self._observations = {step: seen for step, seen in self._observations.items() if step >= motion.before.step}
         annotations = annotations_of(motion.before, motion.after, by_lot=self.info.by_lot)
         self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
-        self._feed = with_items(self._feed, annotations)
+        self._feed = with_items(self._feed, annotations, by_lot=self.info.by_lot)
         after = motion.after
         self._scores = after.team_scores
         self._commentary.record(began_ms, annotations, self._scores)

@@ -32,6 +32,12 @@ def test_a_tie_is_won_by_lot():
     assert with_items((), [tie])[0].parts == (0, "beat", 1, "by lot")
 
 
+def test_a_contest_that_the_queue_decides_is_won_by_lot_whoever_was_nearer():
+    """R5.9: distance decides nothing there, and the captions and the lens say so too."""
+    feed = with_items((), [CONTEST, NEAR_MISS], by_lot=True)
+    assert [item.parts for item in feed] == [(1, "ahead of", 0, "by 312 mm"), (0, "beat", 2, "by lot")]
+
+
 def test_a_refusal_that_is_repeated_is_counted_and_moves_up():
     feed = ()
     for time_ms in range(0, 1000, 100):
