@@ -15,9 +15,6 @@ from catch_arena.replay import Replay
 _SCRIPTS: Final = ("replay.js", "shapes.js", "overlays.js", "arena.js", "player.js")
 _MODULE: Final = re.compile(r"^(import [^;]*;\n|export )", re.MULTILINE)
 """Pattern of the statements that make a file a module, as checkers and tests need; in a page all are one script."""
-_EVERY: Final = 2
-"""Step between the points that are kept of a turtle's outline."""
-_FALLBACK: Final = "Allow scripts to see this replay."
 
 
 def player_html(replay: Replay, what_if: WhatIf | None = None) -> str:
@@ -35,7 +32,7 @@ def player_html(replay: Replay, what_if: WhatIf | None = None) -> str:
     shown = ""
     if what_if is not None:
         shown = f' what-if start="{max(0, what_if.contest.judged_ms - highlights.BEFORE_MS)}"'
-    return f'{element_script()}<catch-replay bundle="{bundle}"{shown}>{_FALLBACK}</catch-replay>'
+    return f'{element_script()}<catch-replay bundle="{bundle}"{shown}>Allow scripts to see this replay.</catch-replay>'
 
 
 def player_page(replay: Replay, what_if: WhatIf | None = None) -> str:
@@ -108,5 +105,6 @@ def player_look() -> dict[str, Any]:
         "podiumHeights": cards.HEIGHTS,
         "podiumPlaces": cards.PLACES,
         "dimmed": cards.DIMMED,
-        "turtle": [[own, white, points[::_EVERY].round(3).tolist()] for points, own, white in shapes.TURTLE_PARTS],
+        # every second point of an outline is enough for a canvas
+        "turtle": [[own, white, points[::2].round(3).tolist()] for points, own, white in shapes.TURTLE_PARTS],
     }
