@@ -243,13 +243,8 @@ class ArenaPainter:
     of an earlier step.
     """
 
-    def __init__(
-        self,
-        config: ArenaConfig,
-        size: tuple[int, int] = (500, 500),
-        layout: hud.Layout = "arena",
-    ) -> None:
-        self._renderer = MatchRenderer(MatchInfo.of(config), checked_size(size), layout)
+    def __init__(self, config: ArenaConfig, size: tuple[int, int] = (500, 500), layout: hud.Layout = "arena") -> None:
+        self._renderer = MatchRenderer(MatchInfo.of(config), size, layout)
         self._last: World | None = None
 
     def paint(self, world: World) -> Pixels:
