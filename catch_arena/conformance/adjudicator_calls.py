@@ -71,11 +71,7 @@ class WrongTarget:
 
 
 def call_adjudicator(call: str, function: Callable[..., object], *arguments: object) -> Any:
-    """Call a function of the code under test and return its result; `call` names it.
-
-    Raises:
-        DiffersError: if it raises anything.
-    """
+    """Return the result of a function under test, named `call`; anything that it raises becomes a DiffersError."""
     try:
         return function(*arguments)
     except DiffersError:
@@ -110,11 +106,7 @@ def time_limit(seconds: float | None) -> Iterator[None]:
 
 
 def read_rulings(given: object, expected: Sequence[ExpectedRuling]) -> list[Ruling]:
-    """Return an adjudicator's rulings on these requests; a target that was not requested becomes a WrongTarget.
-
-    Raises:
-        DiffersError: for the first part of the answer that cannot be read.
-    """
+    """Return an adjudicator's rulings on these requests, or raise DiffersError for the first that is unreadable."""
     if not isinstance(given, Iterable) or isinstance(given, str | bytes | Mapping):
         too_few, got = given is None, shortened(given)
     else:
@@ -147,11 +139,7 @@ def _where(error: BaseException) -> str:
 
 
 def _ruling(place: int, expected: ExpectedRuling, given: object) -> Ruling:
-    """Return the ruling read from an object's attributes, a mapping's keys, or a sequence in the order of _FIELDS.
-
-    Raises:
-        DiffersError: for a field that cannot be read.
-    """
+    """Return the ruling read from an object's attributes, a mapping's keys, or a sequence in the order of _FIELDS."""
 
     def wrong(field: str, must: str, value: object) -> DiffersError:
         subject = f"{describe_request(place, expected)}: {field}"

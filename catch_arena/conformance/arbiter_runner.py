@@ -41,15 +41,9 @@ class ArbiterRunner:
     def run(self) -> None:
         """Play the case unchanged, and in every variant of it.
 
-        Raises:
-            DiffersError: at the first variant whose verdicts are wrong, else for the first whose evidence is.
+        Raise DiffersError at the first variant whose verdicts are wrong, else for the first whose evidence is.
         """
-        self._play(self._case)
-        if self._wrong_evidence is not None:
-            self.variation, differences = self._wrong_evidence
-            raise DiffersError(*differences)
-
-    def _play(self, case: ArbiterCase) -> None:
+        case = self._case
         decided = _with_lots_decided(case, self._judge("", case))
         for variation, variant in (*_reordered(decided), *_without_loser(decided), *_renumbered(case)):
             self._judge(variation, variant)
@@ -57,6 +51,9 @@ class ArbiterRunner:
             self._require_fair_lots(case)
         if case.under_nearest:
             self._judge("under the policy nearest", replace(case, policy="nearest", expected=case.under_nearest))
+        if self._wrong_evidence is not None:
+            self.variation, differences = self._wrong_evidence
+            raise DiffersError(*differences)
 
     def _judge(self, variation: str, case: ArbiterCase) -> tuple[ExpectedRuling, ...]:
         self.variation = variation

@@ -96,11 +96,7 @@ class ArenaRunner:
         """Description of the part of the case that is being played."""
 
     def run(self) -> None:
-        """Play the case, part by part.
-
-        Raises:
-            DiffersError: at the first part of the play that differs from the case.
-        """
+        """Play the case part by part, and raise DiffersError at the first part that differs from it."""
         case = self._case
         self.variation = "in an arena"
         if isinstance(case, ArbiterCase):

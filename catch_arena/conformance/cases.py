@@ -206,11 +206,7 @@ class _File(_Table, frozen=True, kw_only=True):
 
 @cache
 def load_cases() -> tuple[ArbiterCase | ArenaCase, ...]:
-    """Return all cases of the suite, file by file, in the order of each file.
-
-    Raises:
-        ConfigError: for a file that is not valid.
-    """
+    """Return all cases of the suite, file by file, in the order of each file."""
     found: list[ArbiterCase | ArenaCase] = []
     for path in sorted((files("catch_arena.conformance") / "cases").iterdir(), key=lambda path: path.name):
         if path.name.endswith(".toml"):

@@ -26,11 +26,7 @@ REFUSED: Final = Verdict.OUT_OF_REACH
 
 
 def request_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:
-    """Call an adjudicator and return its rulings.
-
-    Raises:
-        DiffersError: if its answer cannot be read.
-    """
+    """Call an adjudicator, and return its rulings."""
     given = call_adjudicator("the call", function)
     return tuple(call_adjudicator("the answer", read_rulings, given, expected))
 
@@ -48,16 +44,9 @@ def compare(given: Sequence[Ruling], expected: Sequence[ExpectedRuling], compare
 def decide_lots(
     given: Sequence[Ruling], expected: Sequence[ExpectedRuling], lots: Sequence[Lot], refused: Collection[object]
 ) -> tuple[ExpectedRuling, ...]:
-    """Return the expected rulings with the lots as the adjudicator drew them.
+    """Return the expected rulings with the lots as the adjudicator drew them: each needs exactly one allowed winner.
 
-    Args:
-        given: the adjudicator's rulings.
-        expected: the rulebook's rulings.
-        lots: the lots that may be drawn.
-        refused: the targets whose kill is refused.
-
-    Raises:
-        DiffersError: for a lot without exactly one allowed winner.
+    The kill of the targets in `refused` is refused.
     """
     by_lot = {ruling.target for ruling in expected if ruling.verdict == LOT}
     winners = {lot.target: _winner(lot, expected, given) for lot in lots if lot.target in by_lot}
@@ -74,11 +63,7 @@ def decide_lots(
 
 
 def _winner(lot: Lot, expected: Sequence[ExpectedRuling], given: Sequence[Ruling]) -> int:
-    """Return the seat that a lot drew: the only one that wins by the rulings.
-
-    Raises:
-        DiffersError: if not exactly one seat wins, or if that seat may not win.
-    """
+    """Return the seat that a lot drew: the only one that wins by the rulings, and one that may win."""
     won = [
         wanted.hunter
         for wanted, ruling in zip(expected, given, strict=True)
