@@ -1,7 +1,7 @@
 """Comparison of an adjudicator's answer with the answer that a case expects."""
 
 from collections.abc import Callable, Collection, Sequence
-from typing import Final, Literal, TypeAlias
+from typing import Literal, TypeAlias
 
 from msgspec.structs import replace
 
@@ -21,8 +21,6 @@ Compared: TypeAlias = Literal["evidence", "verdicts", "success"]
 """Parts of an answer that are compared: all; the verdicts, without distances and winners; or only if requests are
 granted, since the service catch_turtle answers no more than that.
 """
-REFUSED: Final = Verdict.OUT_OF_REACH
-"""Verdict that stands for every refusal if an answer contains only the success."""
 
 
 def request_rulings(function: Callable[[], object], expected: Sequence[ExpectedRuling]) -> tuple[Ruling, ...]:

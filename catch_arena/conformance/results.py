@@ -148,7 +148,7 @@ def diagnose(results: Sequence[Result], compared: Compared) -> tuple[Diagnosis, 
     found = [result.failure for result in results if result.failure is not None]
     unreadable: dict[tuple[str, str], list[Failure]] = {}
     judged = {}
-    for failure in sorted(found, key=_weakness_and_size):
+    for failure in sorted(found, key=lambda one: (_WEAKNESS[one.kind], one.case.size + bool(one.variation))):
         difference = failure.differences[0]
         if isinstance(difference, NoRuling):
             unreadable.setdefault((difference.looks_like, difference.rule), []).append(failure)
@@ -165,10 +165,6 @@ def diagnose(results: Sequence[Result], compared: Compared) -> tuple[Diagnosis, 
         others = [Diagnosis(*cause, tuple(group)) for cause, group in groups.items()]
         diagnoses += sorted(others, key=lambda one: (one.weakness, -len(one.failures)))
     return tuple(diagnoses)
-
-
-def _weakness_and_size(failure: Failure) -> tuple[int, int]:
-    return _WEAKNESS[failure.kind], failure.case.size + bool(failure.variation)
 
 
 def _known(failed: Mapping[str, Failure], passed: set[str], compared: Compared) -> list[Diagnosis]:
