@@ -13,8 +13,6 @@ from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
 from catch_arena.ros.middleware.ros_types import describe_type
 from catch_arena.ros.nodes.neighbours import Neighbours
 
-LOOK_S: Final = 3.0
-"""Time of the search for other nodes [s]: as long as they need to find each other on a busy machine."""
 _VARIABLES: Final = ("ROS_DOMAIN_ID", "RMW_IMPLEMENTATION", "ROS_AUTOMATIC_DISCOVERY_RANGE", "ROS_LOCALHOST_ONLY")
 _VERBS: Final = {"publisher": "publishes", "subscription": "subscribes to", "service": "serves", "client": "calls"}
 ARENA: Final = "/catch_arena"
@@ -31,16 +29,10 @@ _DRIVEN: Final = (TURTLE, *(f"hunter_{seat}" for seat in range(8)))
 """Hunters whose drivers are counted over a bus that does not list nodes."""
 
 
-def examine(bus: Bus, given: Interfaces, look_s: float = LOOK_S) -> tuple[list[str], list[str]]:
-    """Look for other nodes on a bus.
+def examine(bus: Bus, given: Interfaces, look_s: float = 3.0) -> tuple[list[str], list[str]]:
+    """Look for other nodes on a bus for `look_s` seconds, and return the facts and the problems, a line each.
 
-    Args:
-        bus: the bus.
-        given: the packages of --interfaces and --turtlesim.
-        look_s: time of the search [s].
-
-    Returns:
-        the facts, and the problems, a line each.
+    On a busy machine nodes need the usual time to find each other.
     """
     facts = [f"Python {sys.version.split()[0]}, {bus.backend}{f' with {bus.middleware}' if bus.middleware else ''}"]
     facts += [f"{name}={os.environ[name]}" if name in os.environ else f"{name} is not set" for name in _VARIABLES]

@@ -43,15 +43,7 @@ OnSample = Callable[[Any], object]
 
 
 class DdsBus(Bus):
-    """See `catch_arena.ros.middleware.bus.Bus`.
-
-    Args:
-        domain: DDS domain, from 0 to 232.
-        log: takes one line for each event that a user should see.
-
-    Raises:
-        BusError: if the domain cannot be joined.
-    """
+    """See `catch_arena.ros.middleware.bus.Bus`."""
 
     backend = "cyclonedds"
 

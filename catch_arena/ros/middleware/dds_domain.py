@@ -38,11 +38,7 @@ atexit.register(_domains.clear)  # later, Cyclone's threads could not take Pytho
 
 
 def join(domain: int, qos: Qos) -> DomainParticipant:
-    """Return a participant of a domain.
-
-    Raises:
-        BusError: if there is no network interface to use, or if CYCLONEDDS_URI is wrong.
-    """
+    """Return a participant of a domain."""
     try:
         if domain not in _domains:
             _domains[domain] = Domain(domain, configuration(os.environ))
@@ -89,10 +85,7 @@ def is_fast_dds(process: str) -> bool:
 def fast_dds_watch(participant: DomainParticipant, topics: Collection[str], log: Log) -> Generator[None, None, None]:
     """Examine some of the readers and writers that have appeared, again for each `next`; end with the first warning.
 
-    Args:
-        participant: DDS participant of this process.
-        topics: DDS topics that do not work between Fast DDS and Cyclone; more may come.
-        log: takes one line about a node with Fast DDS that uses such a topic.
+    It is about a node with Fast DDS that uses one of these DDS topics, to which more may be added.
     """
     readers = [
         BuiltinDataReader(participant, kind) for kind in (BuiltinTopicDcpsPublication, BuiltinTopicDcpsSubscription)

@@ -154,13 +154,7 @@ class RulingMessage(NamedTuple):
 
     @classmethod
     def of(cls, ruling: Ruling, time_ms: int, hunters: Sequence[str]) -> "RulingMessage":
-        """Return the message of one ruling.
-
-        Args:
-            ruling: the ruling.
-            time_ms: beginning of the step in which it was judged [ms].
-            hunters: their names, by seat.
-        """
+        """Return the message of a ruling in a step that began at `time_ms`; `hunters` are their names by seat."""
         target = "" if ruling.target is None else str(ruling.target)
         return cls(
             time=time_ms / 1000.0,
@@ -191,14 +185,7 @@ class StandingMessage(NamedTuple):
 
 
 def message_type(name: str, make: Callable[..., Any], *parts: MessageType, floats: str = "float64") -> MessageType:
-    """Return the message that a NamedTuple stands for.
-
-    Args:
-        name: as ROS writes it.
-        make: the NamedTuple.
-        parts: the messages in it.
-        floats: ROS's word for its floats.
-    """
+    """Return the message that a NamedTuple stands for; `parts` are the messages in it, and `floats` is ROS's word."""
     words: dict[Any, Any] = {bool: "bool", str: "string", float: floats} | {part.make: part for part in parts}
     fields = []
     for field, hint in get_type_hints(make, include_extras=True).items():
@@ -218,13 +205,7 @@ def service_type(
 
 
 def values_by_field(kind: MessageType, message: Any, convert: Callable[[MessageType, Any], Any]) -> dict[str, Any]:
-    """Return the values of one of our tuples, by the names of its definition.
-
-    Args:
-        kind: its type.
-        message: the tuple.
-        convert: converts a message in it, from its type and its tuple.
-    """
+    """Return the values of one of our tuples, by the names of its definition; `convert` converts a message in it."""
     values: dict[str, Any] = {}
     for (name, word, is_sequence), value in zip(kind.fields, message, strict=True):
         if isinstance(word, str):

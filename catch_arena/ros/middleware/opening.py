@@ -20,17 +20,10 @@ _INSTALL: Final = install_hint("ros")
 
 
 def open_bus(bus: str | None = None, *, node: str = "catch_arena", log: Log = print) -> Bus:
-    """Join a ROS 2 bus, over DDS in the domain ROS_DOMAIN_ID, or 0.
+    """Join a ROS 2 bus, over DDS in the domain ROS_DOMAIN_ID, or 0; over rclpy with a node of this name.
 
-    Args:
-        bus: a back-end, or the address of a rosbridge server, which is BRIDGE_URL for "rosbridge". None takes the first
-            of BACKENDS that works here.
-        node: the node's name, over rclpy.
-        log: takes one line for each event that a user should see.
-
-    Raises:
-        ConfigError: for a domain that does not exist, or another bus.
-        BusError: if a needed package is not installed, or if the bus cannot be reached.
+    `bus` is a back-end, or the address of a rosbridge server, which is BRIDGE_URL for "rosbridge". None takes the first
+    of BACKENDS that works here.
     """
     domain = _domain()
     url = bus if bus is not None and bus.startswith(("ws://", "wss://")) else None

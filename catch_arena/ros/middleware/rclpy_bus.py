@@ -20,12 +20,7 @@ from catch_arena.ros.middleware.ros_types import found_types, ros_class, turtles
 
 
 class RclpyBus(Bus):
-    """See `catch_arena.ros.middleware.bus.Bus`.
-
-    Args:
-        node: name of the node.
-        domain: from 0 to 232.
-    """
+    """See `catch_arena.ros.middleware.bus.Bus`."""
 
     backend = "rclpy"
 

@@ -46,11 +46,7 @@ _MESSAGE: Final = re.compile(r"\w+/\w+")
 
 
 def ros_class(name: str) -> Any:
-    """Return ROS's own class of a message or a service.
-
-    Raises:
-        BusError: if its package is not built, or not sourced.
-    """
+    """Return ROS's own class of a message or a service, or raise BusError if its package is not built or sourced."""
     package, folder, word = name.split("/")
     try:
         return getattr(import_module(f"{package}.{folder}"), word)
@@ -61,12 +57,7 @@ def ros_class(name: str) -> Any:
 def found_types(given: Interfaces, graph: Callable[[], Sequence[Endpoint]]) -> Interfaces:
     """Return the types of the nodes on the bus, or else of the only package that has them.
 
-    Args:
-        given: the packages of --interfaces and --turtlesim; a package that is not the usual one is taken.
-        graph: returns the endpoints of other nodes.
-
-    Raises:
-        BusError: if the types do not fit, or if several packages have them and no node uses one in time.
+    `given` are the packages of --interfaces and --turtlesim; a package that is not the usual one is taken.
     """
     if given.package != INTERFACES:
         return package_types(given.package, given)
@@ -91,14 +82,7 @@ def found_types(given: Interfaces, graph: Callable[[], Sequence[Endpoint]]) -> I
 def package_types(package: str, given: Interfaces, *, turtles: str = "", catch: str = "") -> Interfaces:
     """Return a package's types for CatchTurtle and TurtleArray: those of these names, or the only ones that fit.
 
-    Args:
-        package: name of the package.
-        given: the exercise's own types.
-        turtles: the type of the list that a node uses, if that is known: other_msgs/msg/Turtles.
-        catch: the type of its service.
-
-    Raises:
-        BusError: if the package has no type that fits, or several.
+    A name is that of a type which a node uses: other_msgs/msg/Turtles.
     """
 
     def service(name: str) -> ServiceType:
@@ -115,11 +99,7 @@ def package_types(package: str, given: Interfaces, *, turtles: str = "", catch: 
 
 
 def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
-    """Return the packages on AMENT_PREFIX_PATH that have the exercise's types, by name; ours only if no other has.
-
-    Raises:
-        BusError: if none fits.
-    """
+    """Return the packages on AMENT_PREFIX_PATH that have the exercise's types, by name; ours only if no other has."""
     packages = sorted(_packages())
     found = _matches(packages, lambda package: package_types(package, given))
     if INTERFACES in found:

@@ -59,15 +59,7 @@ class _OpenCall(NamedTuple):
 
 
 class RosbridgeBus(Bus):
-    """See `catch_arena.ros.middleware.bus.Bus`. If the server goes away, one line is logged, and no more frames come.
-
-    Args:
-        url: address of the server.
-        log: takes one line for each event that a user should see.
-
-    Raises:
-        BusError: if no server answers.
-    """
+    """See `catch_arena.ros.middleware.bus.Bus`. If the server goes away, one line is logged."""
 
     backend = "rosbridge"
 
@@ -259,11 +251,7 @@ def to_json(kind: MessageType, message: Any) -> dict[str, Any]:
 
 
 def from_json(kind: MessageType, values: Any) -> Any:
-    """Return our message from rosbridge's JSON values.
-
-    Raises:
-        ValueError: if the values do not fit this message, for example because a student's package has other fields.
-    """
+    """Return our message from rosbridge's JSON values, or raise ValueError for other fields or types."""
     try:
         return from_attributes(kind, msgspec.convert(values, _struct(kind)))
     except msgspec.ValidationError as error:
