@@ -42,22 +42,9 @@ def export_bag(
     force: bool = False,
     progress: Callable[[int, int], None] | None = None,
 ) -> int:
-    """Write a match as a bag.
+    """Write a match as a bag, and return the number of its messages; `force` replaces a bag that exists.
 
-    Args:
-        replay: the recorded match.
-        folder: the bag's folder.
-        storage: the kind of its file.
-        interfaces: the packages of the types.
-        force: whether it may replace a bag that exists.
-        progress: called with (steps written, steps in all).
-
-    Returns:
-        the number of its messages.
-
-    Raises:
-        ReplayError: if the replay does not play as recorded.
-        OutputError: if the bag cannot be written; nothing unfinished is left.
+    `progress` is called with (steps written, steps in all). If the bag cannot be written, nothing unfinished is left.
     """
     with _whole_bag(folder, storage, force=force) as bag:
         match = _MatchWriter(bag, replay, interfaces)

@@ -78,14 +78,9 @@ class BagContents:
 
 
 def read_bag(path: Path, progress: Callable[[int, int], None] | None = None) -> BagContents:
-    """Read a bag of turtlesim.
+    """Read a bag of turtlesim, a folder with metadata.yaml, or an .mcap or .db3 file.
 
-    Args:
-        path: a folder with metadata.yaml, or an .mcap or .db3 file.
-        progress: called with (messages read, messages in all).
-
-    Raises:
-        ReplayError: for a file that is not a bag of turtlesim, or a bag without a hunter.
+    `progress` is called with (messages read, messages in all). ReplayError is raised for all other files.
     """
     tracks: dict[str, Track] = {}
     lists: list[tuple[float, Sequence[Turtle]]] = []

@@ -41,9 +41,6 @@ def judge_bag(bag: BagContents, reach_m: float = 0.3) -> list[JudgedCatch]:
     """Judge the catches of a bag in their order, each by the last poses before it.
 
     Targets that leave the list in one message are judged together (R5.1). A tie is drawn as in a match with the seed 0.
-
-    Raises:
-        ConfigError: for a reach that is not allowed.
     """
     names = tuple(bag.hunters)
     judged: list[JudgedCatch] = []

@@ -35,24 +35,7 @@ def render_bag(
     captions: Captions = "plain",
     progress: Progress | None = None,
 ) -> RenderReport:
-    """Write a bag as a video, with the arbiter's scores and words. The settings are those of `render_replay`.
-
-    Args:
-        bag: the contents of the bag.
-        judged: its catches.
-        path: a file that ends in .mp4, .webm, .gif or .webp.
-        reach_m: the reach that is shown.
-        title: the text above the standings.
-        size: width and height in pixels.
-        shape: "landscape", "portrait" or "square"; None for that of `size`, or landscape.
-        fps: frames per second.
-        captions: "plain", "clauses" or "none".
-        progress: called with (frames written, frames in all).
-
-    Raises:
-        ConfigError: for a setting that is not allowed.
-        OutputError: if the file cannot be written.
-    """
+    """Write a bag as a video, with the arbiter's scores and words. The settings are those of `render_replay`."""
     output = VideoOutput.of(path, size, shape, fps)
     ticks = ceil(bag.end_ms / TICK_MS)
     clip = Clip(0, ticks * TICK_MS, output.fps)

@@ -55,11 +55,7 @@ def fits_a_service(case: ArbiterCase | ArenaCase) -> bool:
 
 
 def run_on_node(node: NodeUnderTest, cases: Sequence[ArbiterCase | ArenaCase]) -> Report:
-    """Play the cases that fit a service, after `wait_for_node`, and return a report; other cases count as not played.
-
-    Raises:
-        BusError: if no node answers over this bus.
-    """
+    """Play the cases that fit a service, after `wait_for_node`, and return a report; the others are not played."""
     return Report(tuple(_result(node, case) for case in cases), "success")
 
 
@@ -77,11 +73,7 @@ def grade_node(spec: GradingSpec, node: NodeUnderTest) -> Iterator[TestGrade]:
 
 
 def cases_of(test: GradingTest) -> list[ArbiterCase | ArenaCase]:
-    """Return the cases of a test that can be asked of a service.
-
-    Raises:
-        ConfigError: if there are none.
-    """
+    """Return the cases of a test that can be asked of a service, or raise ConfigError if there are none."""
     if not test.cases:
         raise ConfigError(f'{test.name}: cases must be given for a node, as in cases = ["reach", "names"]')
     try:
@@ -150,11 +142,7 @@ def _fits_own(case: ArbiterCase) -> bool:
 
 
 def _questions_of_own(node: NodeUnderTest, case: ArbiterCase) -> Iterator[_Question]:
-    """Yield a case's questions about the node's own targets: an answer may change its list before the next question.
-
-    Raises:
-        BusError: if the node lists no target that fits for long.
-    """
+    """Yield a case's questions about the node's own targets: an answer may change its list before the next question."""
     given, (expected,), (only,) = case.arguments(), case.expected, case.targets
     requested = str(expected.target)
     caught: dict[str, str] = {}
@@ -203,11 +191,7 @@ def _float32(place: Place) -> Place:
 
 
 def _grade(test: GradingTest, report: Report) -> TestGrade:
-    """Return a grade; its failures have one line for each set of clauses of failed cases.
-
-    Raises:
-        ConfigError: if no case was played.
-    """
+    """Return a grade; its failures have one line for each set of clauses of failed cases."""
     played = sum(result.played for result in report.results)
     if not played:
         raise ConfigError(f"{test.name}: none of its cases can be asked of a node that publishes the list itself")

@@ -27,12 +27,6 @@ class NodeUnderTest:
     """A service on a bus, and the position that it is asked about: the pose of turtle1, and the list of targets.
 
     A node that publishes the list itself, as the exercise's spawner does, is asked for its own targets.
-
-    Args:
-        bus: the bus.
-        service: its name, for example /catch_turtle.
-        interfaces: the packages of the types.
-        log: takes one line if the node publishes the list.
     """
 
     def __init__(self, bus: Bus, service: str, interfaces: Interfaces, log: Log) -> None:
@@ -71,11 +65,7 @@ class NodeUnderTest:
             self._alive = self._bus.publisher(ALIVE_TURTLES, self._interfaces.turtle_array)
 
     def wait_for_target(self) -> None:
-        """Handle new messages, and wait until the node's own list has a target.
-
-        Raises:
-            BusError: if the list stays empty.
-        """
+        """Handle new messages, and wait until the node's own list has a target; BusError is raised if there is none."""
         end = time.monotonic() + _THERE_S
         self._bus.spin(DT)
         while not self.listed:
@@ -84,12 +74,7 @@ class NodeUnderTest:
             self._bus.spin(DT)
 
     def request_catch(self, hunter: Place, targets: Mapping[str, Place], name: str, settle_s: float) -> bool | None:
-        """Publish a position for a while, then request a target; return the answer, or None without one in time.
-
-        Raises:
-            BusError: if no request was ever answered: over rosbridge `wait_for_node` cannot check that a node serves
-                it.
-        """
+        """Publish a position for a while, then request a target; return the answer, or None without one in time."""
         turtles = tuple(Turtle(target, x, y, 0.0) for target, (x, y) in targets.items())
         position = Pose(*hunter, 0.0, 0.0, 0.0), TurtleArray(turtles)
         self._publish_for(settle_s, *position)
@@ -98,6 +83,7 @@ class NodeUnderTest:
         while not call.done() and time.monotonic() < end:
             self._publish_for(DT, *position)
         if not call.done() and not self._has_answered:
+            # over rosbridge `wait_for_node` cannot check that a node serves it
             raise BusError(f"{self._service} does not answer on this bus: does the node run, in the same domain?")
         self._has_answered = True
         return bool(call.result().success) if call.done() else None

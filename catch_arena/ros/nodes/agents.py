@@ -21,13 +21,7 @@ ACT_EVERY_MS: Final = 100
 
 
 class AgentSeats:
-    """Hunters that agents drive. The arena does not wait: an action holds until the next one comes.
-
-    Args:
-        service: the arena.
-        players: the agents, by seat.
-        log: takes one line when an agent forfeits.
-    """
+    """Hunters that agents drive. The arena does not wait: an action holds until the next one comes."""
 
     def __init__(self, service: ArenaService, players: Players, log: Log) -> None:
         self._service, self._players, self._log = service, players, log

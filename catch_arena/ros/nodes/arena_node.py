@@ -48,17 +48,10 @@ _REFUSED: Final = CatchTurtleResponse(success=False)
 
 
 class ArenaNode:
-    """The arena, played tick by tick with the nodes on the bus.
+    """The arena, played tick by tick with the nodes on the bus, which drive the seats `driven`.
 
-    Args:
-        bus: the bus.
-        service: the arena before its reset; its control period is TICK_MS, the tick of turtlesim (R1.2).
-        driven: the seats that nodes drive.
-        names: the players' names, by seat.
-        agents: the agents in the other seats.
-        interfaces: the packages of the types.
-        clock: whether the arena's time is published on /clock.
-        log: takes one line for each event that a user should see.
+    The control period of the service is TICK_MS, the tick of turtlesim (R1.2). `names` are the players' names by seat.
+    If `clock` is true, the arena's time is published on /clock.
     """
 
     def __init__(

@@ -41,17 +41,9 @@ class Controller:
     """Driver of one turtle by the decisions of an agent.
 
     The agent plays in an arena of its own, in which the turtle and the targets are placed in each period; it has no
-    rivals. The arena's controller has the exercise's gains.
+    rivals. The arena's controller has the exercise's gains; of `config` only the turtle's reach and limits are used.
 
-    Args:
-        bus: the bus.
-        players: the agent in seat 0.
-        config: reach and limits of the turtle; the rest is the exercise's.
-        turtle: name of the turtle.
-        interfaces: the packages of the types.
-        service: the service to call; None is the turtle's own, /turtle1/catch_turtle, if it is served, else
-            /catch_turtle.
-        log: takes one line for each event that a user should see.
+    It calls `service`; None is the turtle's own, /turtle1/catch_turtle, if it is served, else /catch_turtle.
     """
 
     def __init__(
@@ -89,11 +81,7 @@ class Controller:
             raise AgentError(fault.reason)
 
     def tick(self) -> None:
-        """R1.3: play one control period.
-
-        Raises:
-            AgentError: if the agent fails.
-        """
+        """R1.3: play one control period, or raise AgentError if the agent fails."""
         self._read_answers()
         if self._pose is None:
             return

@@ -23,9 +23,7 @@ RUN: Final = "ros2 run YOUR_PACKAGE YOUR_CONTROLLER"
 def run_line(hunter: str, *, shared: bool) -> str:
     """Return the command that starts the exercise's controller for one hunter.
 
-    Args:
-        hunter: the hunter that the node is to drive.
-        shared: whether several seats are for nodes, so that each node needs a remapping to its own.
+    If several seats are `shared` among nodes, each node needs a remapping to its own hunter.
     """
     return f"{RUN} {remapping_to(hunter)}" if shared else RUN
 
@@ -41,14 +39,7 @@ def remapping_to(hunter: str) -> str:
 
 
 class Neighbours:
-    """Checker of the bus's graph.
-
-    Args:
-        hunters: all hunters' names.
-        driven: names of the hunters that nodes drive.
-        interfaces: the arena's types.
-        log: takes one line for each problem that is found.
-    """
+    """Checker of the bus's graph; `driven` are the names of the hunters that nodes drive."""
 
     def __init__(self, hunters: Sequence[str], driven: Collection[str], interfaces: Interfaces, log: Log) -> None:
         self._driven, self._interfaces, self._log_once = sorted(driven), interfaces, OnceLog(log)
@@ -68,10 +59,7 @@ class Neighbours:
 
         A name of the list or of the catch service is returned if there is one seat for a node, and if the node needs no
         other remapping: a client that is created for each call appears with the first call, too late for a remapping.
-
-        Args:
-            graph: publishers, subscriptions, services and clients of other nodes.
-            free: the hunters that no node drives yet, of which a remapping proposes the first.
+        A remapping proposes the first of the hunters in `free`, which no node drives yet.
         """
         before = dict(self._served)
         if len(self._driven) > 1:

@@ -14,11 +14,7 @@ _SKIPPED_DELAY_S: Final = 0.25
 
 
 class Rate:
-    """Timer that waits for one tick after the other.
-
-    Args:
-        period_s: time from tick to tick by the wall clock [s].
-    """
+    """Timer that waits for one tick after the other, `period_s` seconds apart by the wall clock."""
 
     def __init__(self, period_s: float) -> None:
         self.period_s = period_s

@@ -23,12 +23,7 @@ _LOG_AT: Final = 10
 class RosSeat:
     """One hunter. Its node drives it until the node has been silent for as long as a Twist holds.
 
-    Args:
-        config: the arena's settings.
-        seat: the hunter's seat. Under velocity control the arena requests the targets in its reach (R4.4).
-        turtles: the hunter's names on the bus.
-        player: name of the player.
-        log: takes one line when the seat's state changes, and for new advice.
+    `turtles` are the hunter's names on the bus. Under velocity control the arena requests the targets in reach (R4.4).
     """
 
     def __init__(self, config: ArenaConfig, seat: int, turtles: Sequence[str], player: str, log: Log) -> None:
@@ -65,10 +60,8 @@ class RosSeat:
     def command(self, now_ms: int, tick_ms: int, *, targets: bool) -> Twist:
         """R2.4: return the last Twist in each step, and zero at the first tick more than a second after it came.
 
-        Args:
-            now_ms: beginning of the step [ms]; a Twist that came since the previous step counts from then.
-            tick_ms: time of the step's tick [ms].
-            targets: whether there is a target to drive to; without one, silence of a node is not logged.
+        A Twist that came since the previous step counts from `now_ms`, the beginning of this one. Without `targets` to
+        drive to, silence of a node is not logged.
         """
         if self._twist_ms is None:
             self._twist_ms = now_ms
@@ -81,11 +74,7 @@ class RosSeat:
         return self._twist
 
     def look_for(self, publishers: int | None) -> None:
-        """Log that its node has left the bus, or that several nodes may drive it.
-
-        Args:
-            publishers: the number of nodes that can drive it; None if the bus does not report it.
-        """
+        """Log that its node has left the bus, or that several may drive it; None if the bus does not report any."""
         if publishers is None:
             return
         if self.state == "driven" and publishers > 1:
@@ -102,12 +91,7 @@ class RosSeat:
         self._had_publishers = bool(publishers)
 
     def note(self, ruling: Ruling, requested: Collection[str]) -> None:
-        """Note the ruling on a request of its node, and log advice once.
-
-        Args:
-            ruling: the ruling.
-            requested: the targets that the node requested in this step.
-        """
+        """Note the ruling on a request of its node, which requested these targets in the step; log advice once."""
         if ruling.verdict is Verdict.OUT_OF_REACH and ruling.distance_um is not None:
             self._too_far_um.append(ruling.distance_um)
         elif ruling.verdict is Verdict.DUPLICATE and len(requested) > 1:

@@ -59,27 +59,12 @@ def serve_match(
     title: str = "",
     log: Log = print,
 ) -> Served:
-    """Play one match with the nodes on a bus, and with agents in some seats.
+    """Play one match with agents in some seats, and with nodes on a bus in the others.
 
-    Args:
-        bus: the bus; it is joined after everything else is checked, and left at the end.
-        config: the arena's settings; its control period is set to TICK_MS.
-        seed: a whole number in [0, 2^64).
-        agents: the agents by seat; nodes drive the other seats.
-        quotas: quotas of isolated agents, or None if all are trusted.
-        names: the players' names, by seat.
-        people: seats whose nodes only drive, as a keyboard's does: the arena requests catches for them (R4.4).
-        interfaces: the packages of the types.
-        speed: simulation speed; if it is not 1, the arena's time is published on /clock.
-        record: the file of the replay.
-        title: title of the replay.
-        log: takes one line for each event that a user should see.
+    The bus is joined after everything else is checked, and left at the end. The control period is set to TICK_MS.
 
-    Raises:
-        ConfigError: for a speed that is not allowed, an arena with prey, or a match that cannot be recorded.
-        OutputError: if the replay cannot be written.
-        BusError: if the bus cannot be joined.
-        MatchFailedError: if isolated agents could not be held.
+    If `quotas` is None, all agents are trusted. The nodes of seats in `people` only drive, as a keyboard's does: the
+    arena requests catches for them (R4.4). At a speed other than 1, the arena's time is published on /clock.
     """
     if not 0.0 < speed <= FASTEST:
         raise ConfigError(f"--speed must be above 0 and at most {FASTEST:g}, got {speed:g}")

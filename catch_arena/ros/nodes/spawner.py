@@ -27,15 +27,9 @@ _ANSWER_TICKS: Final = 125
 
 
 class Spawner:
-    """Referee of one turtlesim; if another node answers /catch_turtle, it only spawns.
+    """Referee of one turtlesim, with these hunters; if another node answers /catch_turtle, it only spawns.
 
-    Args:
-        bus: the bus.
-        turtles: the hunters' names in turtlesim.
-        interfaces: the packages of the types.
-        config: the arena's settings, of which spawn timer (R3.1), prefix of names and reach (R5.3) are used.
-        seed: seed of the places.
-        log: takes one line for each event that a user should see.
+    Of `config` it uses the spawn timer (R3.1), the prefix of names and the reach (R5.3).
     """
 
     def __init__(
