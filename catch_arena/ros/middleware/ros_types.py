@@ -42,7 +42,6 @@ _CORRECT: Final = (
 _BUILD: Final = "build your package with colcon, and source its workspace: source install/setup.bash"
 _LOOK_S: Final = 2.0
 """Time of the search for nodes that use a package's types, if several packages have them [s]."""
-_MESSAGE: Final = re.compile(r"\w+/\w+")
 
 
 def ros_class(name: str) -> Any:
@@ -118,13 +117,7 @@ def fitting_packages(given: Interfaces) -> dict[str, Interfaces]:
 
 def turtlesim_package(usual: str) -> str:
     """Return turtlesim_msgs, as from Kilted on, if only that is installed; else the usual one."""
-    for package in (usual, f"{usual}_msgs"):
-        try:
-            ros_class(f"{package}/msg/Pose")
-        except BusError:
-            continue
-        return package
-    return usual
+    return next(iter(_matches((usual, f"{usual}_msgs"), lambda package: ros_class(f"{package}/msg/Pose"))), usual)
 
 
 def describe_type(kind: MessageType | ServiceType) -> str:
@@ -207,7 +200,7 @@ def _flat(own: Any) -> Iterator[tuple[str, str]]:
     """Yield the fields with ROS's words for their types, also those of the messages in it: `turtle.name`."""
     for name, word in own.get_fields_and_field_types().items():
         yield name, word
-        if _MESSAGE.fullmatch(word):
+        if re.fullmatch(r"\w+/\w+", word):
             inner = ros_class(word.replace("/", "/msg/")).get_fields_and_field_types()
             yield from ((f"{name}.{deeper}", one) for deeper, one in inner.items())
 
