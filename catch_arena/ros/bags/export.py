@@ -30,7 +30,6 @@ Storage = Literal["mcap", "sqlite3"]
 
 _METADATA_VERSION: Final = 8
 """The last version that Humble reads; 9 writes the quality of service in a way that Humble does not read."""
-_METADATA: Final = "metadata.yaml"
 
 
 def export_bag(
@@ -39,8 +38,8 @@ def export_bag(
     storage: Storage,
     interfaces: Interfaces,
     *,
-    force: bool = False,
-    progress: Callable[[int, int], None] | None = None,
+    force: bool,
+    progress: Callable[[int, int], None],
 ) -> int:
     """Write a match as a bag, and return the number of its messages; `force` replaces a bag that exists.
 
@@ -53,8 +52,7 @@ def export_bag(
         match.write_alive(0, first.targets, poses_of(first))
         for before, after, by_name in replay.judged_steps():
             match.write_step(before, after, by_name)
-            if progress is not None:
-                progress(after.step, replay.steps)
+            progress(after.step, replay.steps)
         return match.messages
 
 
@@ -65,9 +63,7 @@ class _MatchWriter:
         self._bag, self._replay = bag, replay
         self._types = get_typestore(Stores.ROS2_JAZZY)
         self._connections: dict[str, Any] = {}
-        """The announced topics."""
         self.messages = 0
-        """Number of messages that have been written."""
         self._hunters = replay.config.hunter_names
         self._poses = [pose_of(turtle) for turtle in ([TURTLE] if len(self._hunters) == 1 else self._hunters)]
         topics = dict.fromkeys(self._poses, interfaces.pose)
@@ -136,7 +132,7 @@ def _whole_bag(folder: Path, storage: Storage, *, force: bool) -> Iterator[Write
 def _require_free(folder: Path, target: Path, *, force: bool) -> None:
     if not target.exists() or (target.is_dir() and not any(target.iterdir())):
         return
-    if not (target / _METADATA).is_file():
+    if not (target / "metadata.yaml").is_file():
         raise OutputError(f"{folder}: already exists and is not a bag; choose another name")
     if not force:
         raise OutputError(f"{folder}: already exists; use --force to replace it, or choose another name")
