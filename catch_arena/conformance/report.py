@@ -14,7 +14,6 @@ _MOST_LINES: Final = 44
 """Length of the diagnoses that a report has in full [lines]: with the rest it fits on a page."""
 _MOST_OTHERS: Final = 8
 """Number of further mistakes that are named."""
-_MOST_LINES_OF_IDS: Final = 2
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,7 @@ def _diagnosis_text(number: int, diagnosis: Diagnosis) -> str:
     lines.append(first.describe(brief=True))
     if others:
         ids = ", ".join(failure.case.id for failure in others)
-        lines.append(wrapped(f"{len(others)} more: {ids}", max_lines=_MOST_LINES_OF_IDS))
+        lines.append(wrapped(f"{len(others)} more: {ids}", max_lines=2))
     return "\n".join(lines)
 
 

@@ -18,8 +18,6 @@ from catch_arena.conformance.comparison import Compared
 from catch_arena.files import tomllib
 from catch_arena.text import shortened
 
-_WIDTH: Final = 80
-"""Longest line of a report [characters]."""
 _BRIEF_DIFFERENCES, _BRIEF_LINES = 2, 3
 """Limits of a brief description of a case: the number of differences, and the lines of each other paragraph."""
 _TOLERATED: Final = 0.1
@@ -97,7 +95,6 @@ class Mistake(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
 
     looks_like: str
     rule: str
-    """The rulebook's rule."""
     winner: Ids = {}
     granted: Ids = {}
     refused: Ids = {}
@@ -194,10 +191,10 @@ def _known(failed: Mapping[str, Failure], passed: set[str], compared: Compared) 
 
 
 def wrapped(text: str, indent: str = "", max_lines: int | None = None) -> str:
-    """Return a text in lines, all but the first indented by two more characters; it is cut off after `max_lines`."""
+    """Return a text in lines of at most 80 characters, all but the first indented by two more; `max_lines` cuts it."""
     return textwrap.fill(
         text,
-        _WIDTH,
+        80,
         initial_indent=indent,
         subsequent_indent=f"{indent}  ",
         break_on_hyphens=False,

@@ -4,17 +4,12 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Final
 
 from catch_arena.arbitration import arbitrate
 from catch_arena.explanation.formatting import metres
 from catch_arena.ros.bags.reading import BagContents
 from catch_arena.text import printable
 from catch_arena.verdicts import Ruling
-
-_LONGEST_NAME: Final = 60
-_Place = tuple[float, float]
-"""Coordinates (x, y) [m]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -28,7 +23,7 @@ class JudgedCatch:
 
     def __str__(self) -> str:
         """One line: time, hunter, target, distance, and the ruling with its clause."""
-        name = printable(str(self.ruling.target)[:_LONGEST_NAME]) or "a target without a name"
+        name = printable(str(self.ruling.target)[:60]) or "a target without a name"
         distance = "" if self.ruling.distance_um is None else f" from {metres(self.ruling.distance_um)}"
         contrast = "" if self.ruling.success else "but "
         return (
@@ -67,5 +62,5 @@ def summary(judged: Sequence[JudgedCatch]) -> str:
     return f"catches: {len(judged)} in the recording, {granted} of them granted by the arbiter"
 
 
-def _nearest(hunters: Sequence[_Place], target: _Place | None) -> int:
+def _nearest(hunters: Sequence[tuple[float, float]], target: tuple[float, float] | None) -> int:
     return 0 if target is None else min(range(len(hunters)), key=lambda seat: math.dist(hunters[seat], target))

@@ -48,7 +48,6 @@ class Request:
 
     message: Any
     answer: Callable[[Any], None]
-    """Function that sends the response."""
 
 
 EndpointKind = Literal["publisher", "subscription", "service", "client"]

@@ -28,8 +28,6 @@ FAST_DDS: Final = (
     "start it with RMW_IMPLEMENTATION=rmw_cyclonedds_cpp, or use --bus rclpy or --bus rosbridge"
 )
 """The warning about a node with Fast DDS, with the ways to use it."""
-_VENDOR: Final = "010f"
-"""Beginning of the process ids of Fast DDS; Cyclone's begin with 0110."""
 _IN_ONE_SPIN: Final = 8
 """Number of readers, and of writers, examined in one spin, 0.1 ms each, so that hundreds do not hold up a tick."""
 _domains: Final[dict[int, Domain]] = {}
@@ -78,8 +76,8 @@ def ros_name(topic: str) -> str:
 
 
 def is_fast_dds(process: str) -> bool:
-    """Return whether a process uses Fast DDS, by the vendor in its id."""
-    return process.replace("-", "").startswith(_VENDOR)
+    """Return whether a process uses Fast DDS, by the vendor that its id begins with; Cyclone's begin with 0110."""
+    return process.replace("-", "").startswith("010f")
 
 
 def fast_dds_watch(participant: DomainParticipant, topics: Collection[str], log: Log) -> Generator[None, None, None]:

@@ -19,8 +19,6 @@ TURTLESIM: Final = "turtlesim"
 """Name of the package with Pose; turtlesim_msgs from Kilted on."""
 OWN_PACKAGE: Final = "catch_arena_interfaces"
 """Name of our package of types: ros2/catch_arena_interfaces."""
-_LONGEST_TARGET: Final = 255
-"""Largest length of a target's name in a ruling [characters]."""
 
 UInt8 = Annotated[int, "uint8"]
 Int32 = Annotated[int, "int32"]
@@ -67,7 +65,6 @@ class ServiceType:
     """A service: its request and its response."""
 
     name: str
-    """Name of the type, as ROS writes it: turtlesim/srv/Spawn."""
     request: MessageType
     response: MessageType
 
@@ -161,7 +158,7 @@ class RulingMessage(NamedTuple):
             step=ruling.step,
             hunter=hunters[ruling.hunter],
             # half of a surrogate pair is no UTF-8
-            target=target.encode(errors="backslashreplace").decode()[:_LONGEST_TARGET],
+            target=target.encode(errors="backslashreplace").decode()[:255],
             verdict=ruling.verdict.name,
             success=ruling.success,
             distance=-1.0 if ruling.distance_um is None else ruling.distance_um / 1e6,
@@ -181,7 +178,6 @@ class StandingMessage(NamedTuple):
     score: UInt32
     rank: UInt32
     over: bool
-    """True if the match has ended."""
 
 
 def message_type(name: str, make: Callable[..., Any], *parts: MessageType, floats: str = "float64") -> MessageType:

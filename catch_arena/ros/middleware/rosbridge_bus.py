@@ -20,10 +20,6 @@ from catch_arena.ros.middleware.bus import DEPTH, LONGEST, SERVICE_DEPTH, SPIN_S
 from catch_arena.ros.middleware.interfaces import MessageType, ServiceType, from_attributes, values_by_field
 from catch_arena.text import one_line
 
-_OPEN_S: Final = 5.0
-_CALL_OPEN_S: Final = 1.0
-"""Longest wait for the connection of a call [s]."""
-_CLOSE_S: Final = 1.0
 _READ_S: Final = 0.5
 """Longest wait for the server to read the end of the services [s]."""
 _CALL_S: Final = 0.005
@@ -70,7 +66,7 @@ class RosbridgeBus(Bus):
         self._calls: dict[str, _OpenCall] = {}
         self._ids = count(1)
         try:
-            self._connection = _connection_to(url, _OPEN_S)
+            self._connection = _connection_to(url, open_s=5.0)
         except (OSError, ValueError, WebSocketException) as error:
             raise BusError(
                 f"no rosbridge server answers at {url} ({one_line(str(error))}): start one where ROS is, "
@@ -196,7 +192,7 @@ class RosbridgeBus(Bus):
         name = f"call_service:{service}:{next(self._ids)}"
         frame = {"op": "call_service", "id": name, "service": service, "args": to_json(kind.request, request)}
         with suppress(OSError, WebSocketException):
-            connection = _connection_to(self._url, _CALL_OPEN_S)
+            connection = _connection_to(self._url, open_s=1.0)
             self._calls[name] = _OpenCall(connection, service, kind.response, call)
             connection.send(json.dumps(frame))
         if len(self._calls) > SERVICE_DEPTH:
@@ -237,7 +233,7 @@ def _connection_to(url: str, open_s: float) -> ClientConnection:
         url,
         proxy=None,  # the environment's proxies are for the Web, and some take 127.0.0.1 too
         open_timeout=open_s,
-        close_timeout=_CLOSE_S,
+        close_timeout=1.0,
         max_size=_LONGEST_FRAME,
         max_queue=None,  # all frames of a flood are read, so that an inbox keeps the newest
         compression=None,

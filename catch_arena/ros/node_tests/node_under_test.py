@@ -36,14 +36,12 @@ class NodeUnderTest:
         self.listed: dict[str, Place] = {}
         """Targets in the node's own list."""
         self.publishes_list = False
-        """True if the node publishes the list itself."""
         bus.subscribe(ALIVE_TURTLES, interfaces.turtle_array, self._on_list)
         bus.serve(KILL, interfaces.kill, lambda request: request.answer(Empty()))
         bus.serve(SPAWN, interfaces.spawn, self._on_spawn)
         self._client = bus.client(service, interfaces.catch_turtle)
         self._spawned = 1
         self._has_answered = False
-        """True if any request was answered."""
 
     def wait_for_node(self) -> None:
         """Wait until the service is there, and publish the list if the node does not.

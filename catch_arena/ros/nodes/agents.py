@@ -32,7 +32,6 @@ class AgentSeats:
         """Names of the targets by rank, as they were when the agents were asked."""
         self._next_ms = 0
         self.cmd_vel: dict[str, Twist] = {}
-        """Twists of the hunters."""
         self.active_targets: dict[str, str] = {}
         """Target that the arena's controller drives to, by hunter (R4.1)."""
         self.forfeits: dict[int, int] = {}

@@ -16,7 +16,6 @@ from catch_arena.ros.middleware.graph_names import (
 )
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces
 
-_CMD_VEL: Final = "/cmd_vel"
 RUN: Final = "ros2 run YOUR_PACKAGE YOUR_CONTROLLER"
 
 
@@ -114,7 +113,7 @@ class Neighbours:
         catch = catch_turtle_of(hunter) if len(self._driven) > 1 else CATCH_TURTLE
         for one in own:
             if one.kind == "publisher" and one.type == TWIST.name:
-                if one.name.endswith(_CMD_VEL) and one.name not in self._cmd_vels:
+                if one.name.endswith("/cmd_vel") and one.name not in self._cmd_vels:
                     yield one.name, cmd_vel_of(hunter)
             elif one.kind == "subscription" and one.name not in provided:
                 if one.type == self._interfaces.turtle_array.name:
