@@ -181,7 +181,7 @@ class StandingMessage(NamedTuple):
 
 
 def message_type(name: str, make: Callable[..., Any], *parts: MessageType, floats: str = "float64") -> MessageType:
-    """Return the message that a NamedTuple stands for; `parts` are the messages in it, and `floats` is ROS's word."""
+    """Return a NamedTuple's message; `parts` are the messages in it, and `floats` is ROS's word for its floats."""
     words: dict[Any, Any] = {bool: "bool", str: "string", float: floats} | {part.make: part for part in parts}
     fields = []
     for field, hint in get_type_hints(make, include_extras=True).items():

@@ -74,7 +74,7 @@ class RosSeat:
         return self._twist
 
     def look_for(self, publishers: int | None) -> None:
-        """Log that its node has left the bus, or that several may drive it; None if the bus does not report any."""
+        """Log that its node has left, or that several may drive it; None stands for a bus that does not report it."""
         if publishers is None:
             return
         if self.state == "driven" and publishers > 1:
