@@ -1,9 +1,10 @@
 """Comparison of a replay with the match as it plays again (R10.2), and of two replays with each other."""
 
 from collections.abc import Callable, Iterable
+from itertools import chain
 from typing import Any, Final
 
-from catch_arena.replay.recording import Replay, replayed_states, state_name
+from catch_arena.replay.recording import Replay, state_name
 from catch_arena.world import HunterState, PreyState, TargetState, World
 
 _MOST_LINES: Final = 12
@@ -25,8 +26,8 @@ def verify(replay: Replay, progress: Callable[[int, int], None] | None = None) -
     """
     found: list[str] = []
     differ: list[int] = []
-    for step, (engine,), ((recorded, played),) in replayed_states(replay):
-        if recorded != played:
+    for step, engine in enumerate(replay.engines()):
+        if engine.digest() != replay.digests[step]:
             differ.append(step)
         if not found and engine.ends.item() and step < replay.steps:
             found = [f"the match ends in {state_name(step)}, but {replay.steps} steps are recorded"]
@@ -55,14 +56,17 @@ def replay_differences(first: Replay, second: Replay) -> list[str]:
             return [*found, f"with different {kind}, actions and states cannot be compared"]
     found += _first_actions(first, second)
     states: list[str] = []
-    for step, engines, digests in replayed_states(first, second):
-        if len(set(digests)) > 1 and not states:
-            states = _different_states(first, second, step, [engine.world() for engine in engines])
+    playing = first.engines(), second.engines()
+    for step, (one, other) in enumerate(zip(*playing, strict=False)):
+        if not states and (first.digests[step], one.digest()) != (second.digests[step], other.digest()):
+            states = _different_states(first, second, step, (one.world(), other.world()))
     found += states
     if first.steps != second.steps:
         found.append(f"steps: {first.steps} in A; {second.steps} in B")
     if found:
-        worlds = [engine.world() for engine in engines]
+        for _ in chain(*playing):  # the longer match goes on to its end
+            pass
+        worlds = one.world(), other.world()
         of_hunters = ([hunter.score for hunter in world.hunters] for world in worlds)
         of_prey = ([prey.times_caught for prey in world.prey] for world in worlds)
         for kind, (here, there) in (("scores of the hunters", of_hunters), ("catches of each prey", of_prey)):

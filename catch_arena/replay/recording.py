@@ -145,8 +145,8 @@ class Replay(EqualByBits):
         Raises:
             ReplayError: if a state differs; it names the first such step.
         """
-        for step, (engine,), ((recorded, played),) in replayed_states(self):
-            if recorded != played:
+        for step, engine in enumerate(self.engines()):
+            if engine.digest() != self.digests[step]:
                 raise ReplayError(
                     f"the replay does not play as it was recorded: the states first differ in {state_name(step)}"
                 )
@@ -284,19 +284,3 @@ class Recorder:
 def state_name(step: int) -> str:
     """Return the name of the state after `step` steps."""
     return "the initial state" if step == 0 else f"step {step}"
-
-
-def replayed_states(*matches: Replay) -> Iterator[tuple[int, tuple[Engine, ...], list[tuple[bytes, bytes]]]]:
-    """Play matches again side by side, up to the end of the longest.
-
-    Yields:
-        at every step's boundary the number of steps, each match's engine (the same one every time; after the end it
-        keeps the last state), and the digests of these states, as recorded and as played, of matches that go on.
-    """
-    playing = [match.engines() for match in matches]
-    engines = tuple(map(next, playing))
-    for step in range(max(match.steps for match in matches) + 1):
-        pairs = zip(matches, engines, strict=True)
-        yield step, engines, [(match.digests[step], engine.digest()) for match, engine in pairs if step <= match.steps]
-        for played in playing:
-            next(played, None)
