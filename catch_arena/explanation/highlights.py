@@ -65,12 +65,7 @@ class Highlight:
 
 
 def find_highlights(match: Explanation, rates: Mapping[str, float] | None = None) -> list[Highlight]:
-    """Return all highlights of one match, in the order of time.
-
-    Args:
-        match: the explanation of the whole match.
-        rates: the share of its other matches that each entrant won (`win_rates`); without it there are no upsets.
-    """
+    """Return all highlights of one match, in the order of time; there are upsets only with `rates` (`win_rates`)."""
     found = [
         *_contests(match),
         *_captures(match),

@@ -22,10 +22,7 @@ _DECISIONS: Final = {
 def contest_sentence(contest: Contest, names: Sequence[str], prey: str | None) -> str:
     """Return one contest in words: the hunters, the target, the distances, the deciding clause and the verdicts.
 
-    Args:
-        contest: the contest.
-        names: the labels of the hunters, by seat.
-        prey: the label of the prey that played the target; None if no prey did.
+    `names` are the labels of the hunters, by seat, and `prey` that of the prey that played the target, if any.
     """
     winner, *losers = contest.claims
     intro = listed(names[claim.seat] for claim in contest.claims)
@@ -71,15 +68,8 @@ def request_phrase(
     by_name: bool,
     prey: str | None = None,
 ) -> str:
-    """Return a requested target, the distance to it, and the verdict with its reason, in words.
-
-    Args:
-        target: the target's name; None for a rank without a target, or a requested name that was no string.
-        verdict: the answer.
-        distances_um: the smallest and the largest distance, if there are several requests; None if it was not measured.
-        reach_um: the hunter's reach.
-        by_name: True for a request by name, without a rank (R8.4).
-        prey: the label of the prey that played the target; None if no prey did.
+    """Return a requested target, the smallest and the largest distance to it, and the verdict with its reason, in
+    words. A rank without a target, and a requested name that was no string, have None as the target.
     """
     if by_name:
         asked_for = describe_name(target)

@@ -37,8 +37,6 @@ _MOST_OTHERS: Final = 8
 """Greatest number of other targets that are tried at a step, the nearest first."""
 _CATCH: Final = PART_NAMES.index("catch")
 
-_Played = tuple[NDArray[np.int64], NDArray[np.float32], list[int]]
-"""Ranks and commands of all agents in a step, in a row for each arena, and the arenas in which the hunter wins."""
 Action = int | tuple[float, float] | dict[str, Any]
 """Action as an environment takes it: a rank, a command, or a dict of both under full control."""
 
@@ -151,16 +149,7 @@ def _lost(replay: Replay, contest: Contest, hunter: int | str | None) -> list[Cl
 
 
 class _Search:
-    """Search for one hunter in one contest: the states before it, and a batch of arenas that play changes.
-
-    Args:
-        replay: the recorded match.
-        contest: the contest.
-        seat: the hunter.
-
-    Raises:
-        ConfigError: the contest is not of this match.
-    """
+    """Search for one hunter in one contest: the states before it, and a batch of arenas that play changes."""
 
     def __init__(self, replay: Replay, contest: Contest, seat: int) -> None:
         config = replay.config
@@ -246,9 +235,11 @@ class _Search:
             wins |= {same[row]: steps for row in won}
         return wins
 
-    def _play(self, engine: Engine, changes: Sequence[_Change]) -> Iterator[_Played]:
+    def _play(
+        self, engine: Engine, changes: Sequence[_Change]
+    ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float32], list[int]]]:
         """Play changes in one run of steps, one in each arena of an engine, up to the contest; yield after each step
-        its actions, and the arenas in which the hunter catches the contested target by a change that counts.
+        all ranks and commands, and the arenas in which the hunter catches the contested target by a change that counts.
 
         A change counts if its target is in view in each step of the run, and the ranks of all other hunters mean the
         same targets as in the recorded match.

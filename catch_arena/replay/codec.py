@@ -43,12 +43,7 @@ def read_number(body: BytesIO) -> int:
 
 
 def read_json(body: BytesIO, longest: int, kind: type[_T]) -> _T:
-    """Return the value of the next JSON text, of at most `longest` bytes.
-
-    Raises:
-        ReplayError: for a longer text.
-        ValueError: for a text that is no JSON of this kind.
-    """
+    """Return the value of the next JSON text; raise ReplayError if it is longer than `longest` bytes."""
     length = read_number(body)
     if length > longest:
         raise ReplayError(f"is damaged: a JSON text is {length} bytes long, more than {longest}")
@@ -56,11 +51,7 @@ def read_json(body: BytesIO, longest: int, kind: type[_T]) -> _T:
 
 
 def read_columns(body: BytesIO, count: int, size: int) -> NDArray[np.int64]:
-    """Return the next `count` columns as a table: (size, count).
-
-    Raises:
-        ValueError: if they are not there.
-    """
+    """Return the next `count` columns as a table: (size, count)."""
     table = np.zeros((size, count), dtype=np.int64)
     for index in range(count):
         (width,) = body.read(1)

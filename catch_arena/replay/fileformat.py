@@ -61,11 +61,7 @@ class _Header(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
 
 
 def encode_replay(match: Replay) -> bytes:
-    """Return the content of a match's file.
-
-    Raises:
-        ReplayError: if the match is too long for a file.
-    """
+    """Return the content of a match's file; raise ReplayError if the match is too long for one."""
     config, steps = match.config, match.steps
     choices = np.array(match.choices, dtype=np.int64).reshape(-1, config.hunters)
     commands = np.array(match.commands, dtype=np.float32).reshape(-1, config.hunters + config.prey, 2)
@@ -97,11 +93,7 @@ def encode_replay(match: Replay) -> bytes:
 
 
 def decode_replay(content: bytes) -> Replay:
-    """Return the match in a file's content.
-
-    Raises:
-        ReplayError: if the content is not a whole replay of this ruleset.
-    """
+    """Return the match in a file's content; raise ReplayError if it is not a whole replay of this ruleset."""
     try:
         return _decode_body(*_checked_body(content))
     except (ConfigError, msgspec.ValidationError) as error:
@@ -165,11 +157,7 @@ def _read_commands(body: BytesIO, steps: int, bodies: int) -> NDArray[np.float32
 
 
 def checked_text(field: str, text: object) -> str:
-    """Return a name or a title that can be shown in one line.
-
-    Raises:
-        ConfigError: for a text that is too long or cannot be printed.
-    """
+    """Return a name or a title, if it can be shown in one line; raise ConfigError for others."""
     if not isinstance(text, str) or len(text) > _LONGEST_TEXT or not text.isprintable():
         shown = repr(text)[: _LONGEST_TEXT + 10]
         raise ConfigError(f"{field} must be at most {_LONGEST_TEXT} printable characters, got {shown}")
@@ -177,11 +165,7 @@ def checked_text(field: str, text: object) -> str:
 
 
 def checked_names(names: object, config: ArenaConfig) -> tuple[str, ...]:
-    """Return the agents' names: of the hunters by seat, and then of the prey by index.
-
-    Raises:
-        ConfigError: if there is not one name for each agent, or a name is too long or cannot be printed.
-    """
+    """Return the agents' names, of the hunters by seat and then of the prey; raise ConfigError for unusable ones."""
     plain, wanted = plain_setting(names), config.hunters + config.prey
     if not isinstance(plain, tuple) or len(plain) != wanted:
         shown = repr(names)[: _LONGEST_TEXT + 10]

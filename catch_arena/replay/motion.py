@@ -40,12 +40,9 @@ class StepMotion:
     """Poses at each tick, first those at the beginning of the step. Nothing moves after the last one."""
 
     def at(self, time_ms: float, next_tick: Poses | None = None) -> Poses:
-        """Return the poses at an instant of this step, interpolated between two ticks.
+        """Return the poses at an instant of this step [ms since reset], interpolated between two ticks.
 
-        Args:
-            time_ms: the instant [ms since reset].
-            next_tick: the poses at the first tick after this step, for instants after the last tick; None keeps the
-                last poses.
+        After the last tick they lead to `next_tick`, the poses at the first tick after this step; None keeps the last.
         """
         tick = math.floor(time_ms / TICK_MS)
         index = tick - self.before.time_ms // TICK_MS

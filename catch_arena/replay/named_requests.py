@@ -41,11 +41,7 @@ class NamedRequest(NamedTuple):
 
 
 class RequestBudget:
-    """Limit on the named requests of a replay: each hunter has an equal share of a file's capacity.
-
-    Args:
-        hunters: the number of hunters that share it.
-    """
+    """Limit on the named requests of a replay: each hunter has an equal share of a file's capacity."""
 
     def __init__(self, hunters: int) -> None:
         self._room = [_MOST_CHARACTERS // hunters] * hunters
@@ -89,13 +85,7 @@ def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
 
 
 def read_requests(body: BytesIO, config: ArenaConfig) -> list[NamedRequest]:
-    """Return the requests that `pack_requests` wrote.
-
-    Raises:
-        ReplayError: for too many requests, or those of hunters that cannot make any.
-        LookupError: for a name that is not in the table.
-        ValueError: for other bytes.
-    """
+    """Return the requests that `pack_requests` wrote; raise ReplayError if no match of this config can have them."""
     names = read_json(body, _LONGEST_TABLE, list[Annotated[str, Meta(max_length=_LONGEST_NAME)] | None])
     count = read_number(body)
     if count > MOST_REQUESTS:

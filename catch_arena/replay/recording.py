@@ -251,11 +251,7 @@ class Recorder:
         """Replay of the episode so far; None if it is not recorded."""
 
     def record(self, names: Sequence[str], title: str) -> None:
-        """Record the following episodes.
-
-        Raises:
-            ConfigError: for a name or a title that is not at most 200 printable characters.
-        """
+        """Record the following episodes; raise ConfigError for names or a title that a replay cannot have."""
         from catch_arena.replay.fileformat import checked_names, checked_text
 
         called = checked_names(names, self._config)
