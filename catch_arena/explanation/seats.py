@@ -1,7 +1,6 @@
 """Labels of the hunters, prey and teams of a match, and their selection by name."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 from catch_arena.errors import ConfigError, require_type, suggest
 from catch_arena.replay import Replay
@@ -38,40 +37,27 @@ def exit_cause(replay: Replay, seat: int) -> str:
     return "withdrawn (R1.6)" if any(gone == seat for _, gone in replay.withdrawals) else "dropped out (R1.7)"
 
 
-class Subjects(NamedTuple):
-    """Hunters and prey that an explanation is about."""
+def find_subjects(replay: Replay, name: int | str | None) -> tuple[tuple[int, ...], tuple[int, ...]]:
+    """Return the seats of the hunters and the indices of the prey that a name means; all of them for None.
 
-    seats: tuple[int, ...]
-    prey: tuple[int, ...]
-    """Indices of the prey."""
-
-
-def find_subjects(replay: Replay, name: int | str | None) -> Subjects:
-    """Return the hunters and prey that a name means; all of them for None.
-
-    Args:
-        replay: the recorded match.
-        name: a seat's number, `hunter_{seat}`, `prey_{index}`, or the name of an agent or a team; a name selects all
-            that have it.
-
-    Raises:
-        ConfigError: for a seat or a name that the match does not have.
+    A name is a seat's number, `hunter_{seat}`, `prey_{index}`, or that of an agent or a team; it selects all that have
+    it. For one that the match does not have, ConfigError is raised.
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
     config = replay.config
     if name is None:
-        return Subjects(tuple(range(config.hunters)), tuple(range(config.prey)))
-    known: dict[str, Subjects] = {}
+        return tuple(range(config.hunters)), tuple(range(config.prey))
+    known: dict[str, tuple[tuple[int, ...], tuple[int, ...]]] = {}
     # agents' names come second, and replace others, since an agent may be called hunter_1 in another seat
     for hunters, prey in (config.hunter_names, config.prey_names), (replay.hunter_names, replay.prey_names):
         for agent in (*hunters, *prey):
-            named = (tuple(index for index, one in enumerate(side) if one == agent) for side in (hunters, prey))
-            known[agent] = Subjects(*named)
-    known |= {team_label(replay, seats): Subjects(seats, ()) for seats in config.teams or ()}
+            seats, indices = ([index for index, one in enumerate(side) if one == agent] for side in (hunters, prey))
+            known[agent] = tuple(seats), tuple(indices)
+    known |= {team_label(replay, members): (members, ()) for members in config.teams or ()}
     if isinstance(name, str) and not name.isdecimal():
         if name not in known:
             raise ConfigError(f"unknown hunter {name!r}: {suggest(name, known)}")
         return known[name]
     if str(name) not in map(str, range(config.hunters)):
         raise ConfigError(f"hunter must be a seat from 0 to {config.hunters - 1}, got {name!r}")
-    return Subjects((int(name),), ())
+    return (int(name),), ()
