@@ -28,17 +28,11 @@ LARGEST_FILE: Final = 1 << 26
 _MAGIC: Final = b"\x89CATCH\r\n"  # as in PNG, it reveals transfers that change line ends or drop a bit
 _FORMAT: Final = 6
 _OLDEST: Final = 2
-_WITHOUT_NAMED_REQUESTS: Final = (2, 3)
-"""Earlier formats that lack this part. In formats 2 to 5 other bytes follow the digests, which are not read."""
 _PREFIX: Final = struct.Struct("<8sIQ")
 _CHECKSUM_BYTES: Final = 32
 _DIGEST_BYTES: Final = 8
 _LONGEST_HEADER: Final = 1 << 16
-_MOST_NUMBERS: Final = 1 << 23
-_NUMBERS_A_STEP: Final = 8
-"""Numbers of a step that take as much memory as its arrays do besides the actions of its agents."""
 _LONGEST_TEXT: Final = 200
-_LONGEST_REASON: Final = 300
 
 _Count = Annotated[int, msgspec.Meta(ge=0, lt=2**31)]
 
@@ -97,7 +91,7 @@ def decode_replay(content: bytes) -> Replay:
     try:
         return _decode_body(*_checked_body(content))
     except (ConfigError, msgspec.ValidationError) as error:
-        raise ReplayError(f"cannot be used: {ascii(str(error))[1:-1][:_LONGEST_REASON]}") from None
+        raise ReplayError(f"cannot be used: {ascii(str(error))[1:-1][:300]}") from None
     except (AttributeError, LookupError, RecursionError, TypeError, ValueError, zlib.error):
         raise ReplayError("is damaged: its parts do not fit together") from None
 
@@ -119,11 +113,11 @@ def _decode_body(form: int, body: BytesIO) -> Replay:
     driven = _driven_agents(config)
     commands = np.zeros((steps, config.hunters + config.prey, 2), dtype=np.float32)
     commands[:, driven] = _read_commands(body, steps, len(driven))
-    requests = [] if form in _WITHOUT_NAMED_REQUESTS else read_requests(body, config)
+    requests = [] if form < 4 else read_requests(body, config)  # formats 2 and 3 lack them
     digests = [body.read(_DIGEST_BYTES) for _ in range(steps + 1)]
     if len(digests[-1]) < _DIGEST_BYTES:
         raise ReplayError("is damaged: its digests are not complete")
-    if form == _FORMAT and body.read(1):
+    if form == _FORMAT and body.read(1):  # in formats 2 to 5 other bytes follow, which have no meaning here
         raise ReplayError("is damaged: more bytes follow its end")
     return Replay(
         config,
@@ -198,7 +192,8 @@ def _checked_body(content: bytes) -> tuple[int, BytesIO]:
 
 def _require_size(config: ArenaConfig, steps: int) -> None:
     """Raise ReplayError for a match that is too large for memory."""
-    most_steps = _MOST_NUMBERS // (_NUMBERS_A_STEP + config.hunters + config.prey)
+    # besides its actions, a step takes as much memory as eight of them
+    most_steps = (1 << 23) // (8 + config.hunters + config.prey)
     if steps > most_steps:
         raise ReplayError(f"is too long for a file: {steps} steps, but at most {most_steps} fit")
 
