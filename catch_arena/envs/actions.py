@@ -18,12 +18,7 @@ _UNREADABLE: Final = np.zeros(0, dtype=object)
 
 
 class ActionReader:
-    """Reader of the actions of one arena's agents.
-
-    Args:
-        config: the arena's settings.
-        agents: the names of all its agents, hunters by seat and then prey by index.
-    """
+    """Reader of the actions of one arena's agents, hunters by seat and then prey by index."""
 
     def __init__(self, config: ArenaConfig, agents: Sequence[str]) -> None:
         self.choices = np.zeros((1, config.hunters), dtype=np.int64)
@@ -37,11 +32,7 @@ class ActionReader:
         self._ranks = config.targets_seen
 
     def seat(self, agent: str) -> tuple[int, Control]:
-        """Return that agent's row in the engine's arrays, and its control.
-
-        Raises:
-            ActionError: for an unknown agent.
-        """
+        """Return that agent's row in the engine's arrays, and its control; raise ActionError for an unknown agent."""
         seat = self.seats.get(agent) if isinstance(agent, str) else None
         if seat is None:
             shown = shortened(agent)
@@ -52,8 +43,7 @@ class ActionReader:
     def read(self, agents: Sequence[str], actions: Mapping[str, Any]) -> None:
         """Write the actions of these agents into `choices` and `commands`; all others hold.
 
-        Raises:
-            ActionError: for an action that is missing or not legal, and an unknown agent.
+        ActionError is raised for an action that is missing or not legal, and an unknown agent.
         """
         if type(actions) is not dict and not isinstance(actions, Mapping):  # isinstance is slower
             raise ActionError(f"actions must map each agent to its action, got {shortened(actions)}")
@@ -92,15 +82,8 @@ def checked_action(
 ) -> tuple[int, tuple[float, float]]:
     """Return the rank and the two velocities of an action under a control; 0 or (0, 0) for a part that is not read.
 
-    Args:
-        control: control of the agent.
-        agent: name of the agent in the error.
-        action: the value that the agent returned.
-        ranks: the highest rank.
-        clip: whether finite velocities out of bounds are replaced by the nearest bound, as in the environments.
-
-    Raises:
-        ActionError: for an action that is not legal.
+    ActionError is raised for an action that is not legal. With `clip`, as in the environments, finite velocities out
+    of bounds are legal, and are replaced by the nearest bound.
     """
     if control == "velocity":
         return 0, _checked_command(agent, "an action", action, clip=clip)
@@ -140,16 +123,9 @@ def _checked_command(agent: str, subject: str, action: Any, *, clip: bool) -> tu
 
 def action_array(subject: str, given: Any, shape: tuple[int, ...], *, whole: bool = False) -> NDArray[Any]:
     """Return the actions of many agents as one array; each is read as that of a single agent. Its numbers can lie out
-    of bounds.
+    of bounds. ActionError is raised for another type or shape.
 
-    Args:
-        subject: the array's name in the error.
-        given: an array, a tensor, or lists of actions.
-        shape: the shape that it must have.
-        whole: whether to read choices, which are whole numbers, and not velocities.
-
-    Raises:
-        ActionError: for another type or shape.
+    The actions are an array, a tensor or lists: of choices if `whole`, else of velocities.
     """
     table = _UNREADABLE
     if not isinstance(given, list | tuple):

@@ -8,12 +8,7 @@ from catch_arena.world import World
 
 
 def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
-    """R7.3: return a world as the numbers of `layout.state_columns`, in the units and bounds given there.
-
-    Returns:
-        (state columns,): the time left; then all hunters by seat; then the alive targets in spawning order, with zeros
-        up to `max_targets`; then all prey by index.
-    """
+    """R7.3: return a world as the numbers of `layout.state_columns`, in the order, units and bounds given there."""
     numbers = [max(0.0, (config.time_limit_ms - world.time_ms) / 1000.0)]
     for hunter in world.hunters:
         numbers += [hunter.x, hunter.y, np.cos(hunter.theta), np.sin(hunter.theta)]

@@ -383,15 +383,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
 
 def _agent_names(given: str | Sequence[str] | None, usual: list[str]) -> list[str]:
-    """Return the names of an env's agents.
-
-    Args:
-        given: a pattern with {seat}, a list, or None.
-        usual: the names if `given` is None.
-
-    Raises:
-        ConfigError: if the names are not different, or are not one for each agent.
-    """
+    """Return the names of an env's agents, by a pattern with {seat} or a list; the usual ones for None."""
     if given is None:
         return usual
     names = as_python(given)

@@ -27,13 +27,7 @@ _USUAL_WITH_MASK: Final = {**_USUAL, "action_mask": None}
 
 
 class Results:
-    """Maker of dictionaries of all agents, from the engine's arrays of its first arena. Their arrays are copies.
-
-    Args:
-        engine: the engine that plays the arena.
-        names: names of all agents, hunters by seat and then prey by index.
-        content: content of the infos.
-    """
+    """Maker of dictionaries of all agents, from the engine's arrays of its first arena. Their arrays are copies."""
 
     def __init__(self, engine: Engine, names: Sequence[str], content: Infos) -> None:
         self._engine, self._names, self._content = engine, names, content
@@ -73,11 +67,7 @@ class Results:
         return observations
 
     def infos(self, truncated: Sequence[str]) -> dict[str, dict[str, Any]]:
-        """R7.2: return the infos that `CatchArenaEnv` lists.
-
-        Args:
-            truncated: the agents whose `TimeLimit.truncated` is True.
-        """
+        """R7.2: return the infos that `CatchArenaEnv` lists; for `truncated` agents, `TimeLimit.truncated` is True."""
         infos: dict[str, dict[str, Any]] = {}
         masks = self._masks.copy()
         if self._content != "full":

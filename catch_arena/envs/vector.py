@@ -36,7 +36,6 @@ T = TypeVar("T")
 StepResults = tuple[NDArray[np.float32], NDArray[np.float32], NDArray[np.bool_], NDArray[np.bool_], dict[str, Any]]
 Begun = tuple[NDArray[np.float32], dict[str, Any]]
 Bounds = dict[str, tuple[Any, Any]]
-"""Least and greatest value of each column of the bodies that `VectorArena.place` takes, by the column's name."""
 
 
 class VectorArena:
@@ -441,11 +440,8 @@ class VectorArena:
 def _bodies(name: str, given: ArrayLike, sizes: tuple[int, int, int], bounds: Bounds) -> NDArray[np.float64]:
     """Return an argument of `place` as an array: (arenas, bodies, columns). Rows of NaN are legal.
 
-    Args:
-        name: the argument's name.
-        given: its value.
-        sizes: number of arenas, and the least and the greatest number of bodies.
-        bounds: the columns, and the least and the greatest value of each.
+    `sizes` are the number of arenas, and the least and the greatest number of bodies. `bounds` are the least and the
+    greatest value of each column, by its name.
     """
     try:
         table = np.asarray(given, dtype=np.float64)
