@@ -3,7 +3,7 @@
 import contextlib
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,9 +12,6 @@ from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import ActionError, suggest
 from catch_arena.plain import as_python, plain_action, real_number, whole_number
 from catch_arena.text import shortened
-
-_UNREADABLE: Final = np.zeros(0, dtype=object)
-"""Array in place of actions that are no array, or are lists of different lengths."""
 
 
 class ActionReader:
@@ -127,7 +124,7 @@ def action_array(subject: str, given: Any, shape: tuple[int, ...], *, whole: boo
 
     The actions are an array, a tensor or lists: of choices if `whole`, else of velocities.
     """
-    table = _UNREADABLE
+    table: NDArray[Any] = np.array(None)  # stays in place of actions that cannot be read
     if not isinstance(given, list | tuple):
         # a tensor that needs a gradient, or lies on a graphics card, cannot become an array
         with contextlib.suppress(TypeError, RuntimeError, ValueError):
