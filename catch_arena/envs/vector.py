@@ -28,8 +28,6 @@ from catch_arena.world import World
 
 _TERMINATED: Final = np.int8(rows.TERMINATED)  # same type as `Engine.ends`, so that NumPy converts nothing
 _TRUNCATED: Final = np.int8(rows.TRUNCATED)
-_MOST_ENVS: Final = 10**9  # no machine's memory holds more
-_MOST_THREADS: Final = 4096
 
 T = TypeVar("T")
 
@@ -100,16 +98,14 @@ class VectorArena:
         any_control: bool = False,
         **overrides: object,
     ) -> None:
-        num_envs = require_integer("num_envs", num_envs, 1, _MOST_ENVS)
-        num_threads = require_integer("num_threads", num_threads, 1, _MOST_THREADS)
-        auto_reset = require_flag("auto_reset", auto_reset)
-        copy, any_control = require_flag("copy", copy), require_flag("any_control", any_control)
+        num_envs = require_integer("num_envs", num_envs, 1, 10**9)  # no machine's memory holds more
+        num_threads = require_integer("num_threads", num_threads, 1, 4096)
+        self.auto_reset: Final = require_flag("auto_reset", auto_reset)
+        self._copy, any_control = require_flag("copy", copy), require_flag("any_control", any_control)
         self.config: Final = arena_config(scenario, **overrides)
         self.num_envs: Final = num_envs
         self.num_hunters: Final = self.config.hunters
         self.num_prey: Final = self.config.prey
-        self.auto_reset: Final = auto_reset
-        self._copy = copy
         kinds = set(CONTROLS if any_control else self.config.controls)
         self._reads_choices: Final = kinds != {"velocity"}
         self._reads_commands: Final = kinds != {"target"} or self.config.prey > 0
@@ -120,7 +116,7 @@ class VectorArena:
                 self.config,
                 num_envs,
                 with_infos=False,
-                auto_reset=auto_reset,
+                auto_reset=self.auto_reset,
                 num_threads=num_threads,
                 any_control=any_control,
             )
