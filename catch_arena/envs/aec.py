@@ -108,11 +108,8 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         Raises:
             ActionError: for an unknown agent.
         """
-        try:
-            return super().observe(agent)
-        except (KeyError, TypeError):
-            self._parallel.action_space(agent)  # raises for an unknown agent
-            raise
+        self._parallel.action_space(agent)  # raises for an unknown agent
+        return super().observe(agent)
 
     def save(self) -> SavedTurn:
         """R10.2: return the state of the episode, also between two turns. `restore` takes it any number of times, in
