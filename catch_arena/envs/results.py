@@ -40,7 +40,6 @@ class Results:
         self._prey = list(names[config.hunters :])
         self._team_by_seat = () if config.teams is None else config.team_by_seat
         self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
-        self._shows_masks = config.mask_in_observation
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy and unpickle by building the object again, since its views belong to the engine."""
@@ -59,7 +58,7 @@ class Results:
             observations = {agent: seen[row, : sizes[row]] for row, agent in enumerate(self._names)}
         else:
             observations = dict(zip(self._names, seen))  # noqa: B905
-        if self._shows_masks:
+        if self._config.mask_in_observation:
             masks = self._masks.copy()
             for agent, seat, control in self._hunters:
                 if control == "target":
@@ -98,21 +97,18 @@ class Results:
             for agent, seat, _ in self._hunters:
                 infos[agent]["team_score"] = int(scores[self._team_by_seat[seat]])
         if self._prey:
-            self._add_infos_of_prey(infos)
+            active, caught_by = self._engine.active[0].tolist(), self._engine.caught_by.tolist()
+            parts = self._prey_parts.copy()
+            for index, agent in enumerate(self._prey):
+                infos[agent] = {
+                    "active": active[len(self._hunters) + index],
+                    "caught_by": int(caught_by[index]),
+                    "reward_parts": parts[index],
+                    "TimeLimit.truncated": False,
+                }
         for agent in truncated:
             infos[agent]["TimeLimit.truncated"] = True
         return infos
-
-    def _add_infos_of_prey(self, infos: dict[str, dict[str, Any]]) -> None:
-        active, caught_by = self._engine.active[0].tolist(), self._engine.caught_by.tolist()
-        parts = self._prey_parts.copy()
-        for index, agent in enumerate(self._prey):
-            infos[agent] = {
-                "active": active[len(self._hunters) + index],
-                "caught_by": int(caught_by[index]),
-                "reward_parts": parts[index],
-                "TimeLimit.truncated": False,
-            }
 
 
 def of_agents(agents: Sequence[str], by_agent: dict[str, T]) -> dict[str, T]:
