@@ -47,8 +47,7 @@ class Display:
 
         if self._window is None:
             self._window = Window("Catch Arena", RENDER_SIZE)
-        lasts_ms = self._painter.enter(world)
-        self._window.play(self._painter.draw, lasts_ms)
+        self._window.play(self._painter.draw, self._painter.enter(world))
         return None
 
     def close(self) -> None:
