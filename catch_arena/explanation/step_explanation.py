@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
-from typing import Any, Final
+from typing import Any
 
 from catch_arena.core.arbiter import measure_um
 from catch_arena.errors import ConfigError, require_type
@@ -12,17 +12,10 @@ from catch_arena.explanation.contests import contests_of, unseen_targets
 from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, json_ready
 from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, with_seat
-from catch_arena.explanation.sentences import (
-    contest_sentence,
-    listed,
-    request_phrase,
-    target_label,
-)
+from catch_arena.explanation.sentences import contest_sentence, listed, request_phrase, target_label
 from catch_arena.plain import as_python, real_number, whole_number
 from catch_arena.replay import Replay
 from catch_arena.text import counted, with_type
-
-_MOST_UNSEEN: Final = 3
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,7 +85,7 @@ class StepExplanation:
             limits.append(f"at most {self.view_angle_deg / 2.0:g} degrees off its heading")
         shown = [
             f"{one.target}, {metres(one.distance_um)} away and {one.off_heading_deg:.1f} degrees off its heading"
-            for one in hunter.unseen[:_MOST_UNSEEN]
+            for one in hunter.unseen[:3]
         ]
         saw = f"{hunter.seen} of {counted(hunter.seen + len(hunter.unseen), 'target')}"
         return f"It sees targets that are {listed(limits)} (R7.5): {saw}. The nearest others: {'; '.join(shown)}."

@@ -28,8 +28,6 @@ from catch_arena.world import World
 _WINDOW_MS: Final = 2000
 _PART_MS: Final = 100
 """Greatest duration of the parts of the window, in which an action is changed as a whole; at least one step."""
-_NEAR_MS: Final = 50
-"""Greatest difference between a time that a user gives and that of the contest."""
 _MOST_DECISIONS: Final = 2
 """Greatest number of decisions that a change adds: one at its beginning, and one at its end."""
 _QUARTERS: Final = tuple(quarter / 4.0 for quarter in range(-4, 5))
@@ -134,7 +132,7 @@ def lost_contest_at(replay: Replay, at_s: float, hunter: int | str | None = None
     if not contests:
         raise ConfigError(f"the match must have a contest that was lost{whose}, and it has none")
     nearest = min(contests, key=lambda contest: abs(contest.judged_ms - 1000.0 * at_s))
-    if abs(nearest.judged_ms - 1000.0 * at_s) > _NEAR_MS:
+    if abs(nearest.judged_ms - 1000.0 * at_s) > 50.0:
         raise ConfigError(
             f"at must be the time of a contest that was lost{whose}, got {at_s:g} s; "
             f"the nearest is at {seconds(nearest.judged_ms)}"

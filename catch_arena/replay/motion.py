@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 from catch_arena.core.math import sincos
 from catch_arena.core.physics import DT, TICK_MS, WATCHDOG_MS, next_pose, turned
@@ -11,10 +11,6 @@ from catch_arena.world import HunterState, TargetState, World
 
 Pose2D = tuple[float, float, float]
 """Pose x [m], y [m], theta [rad], as in geometry_msgs; `messages.Pose` is turtlesim's, with velocities."""
-
-_AGREES_M: Final = 1e-6
-_MOST_TICKS: Final = 625
-"""Largest number of ticks of a step in which targets are followed: ten seconds."""
 
 
 class Poses(NamedTuple):
@@ -92,7 +88,7 @@ def step_motion(before: World, after: World) -> StepMotion:
     first = before.time_ms // TICK_MS
     driven = min(after.time_ms, before.time_ms + WATCHDOG_MS) // TICK_MS - first  # R2.4: after it hunters stand still
     moved = any(target.linear_velocity or target.angular_velocity for target in after.targets)
-    ticks = min(after.time_ms // TICK_MS - first, _MOST_TICKS) if moved else driven
+    ticks = min(after.time_ms // TICK_MS - first, 10_000 // TICK_MS) if moved else driven
     began = {target.number: target for target in before.targets}
     hunters = [
         _body_ticks(start, end, driven, after.side_m) for start, end in zip(before.hunters, after.hunters, strict=True)
@@ -122,7 +118,7 @@ def _body_ticks(
     for tick in range(1, ticks + 1):
         x, y, sine, cosine, _ = next_pose(x, y, sine, cosine, stride, turn_sine, turn_cosine, side_m)
         poses.append((x, y, turned(start.theta, turn, tick)))
-    if math.hypot(x - end.x, y - end.y) > _AGREES_M:
+    if math.hypot(x - end.x, y - end.y) > 1e-6:
         # in steps of more than a second the watchdog has reset the velocity, and in steps of more than ten seconds
         # targets are not followed: only a straight line can be drawn
         goal = (end.x, end.y, end.theta)

@@ -26,8 +26,6 @@ _CHARACTERS_PER_REQUEST: Final = _MOST_CHARACTERS // MOST_REQUESTS
 """Room that each request takes in addition to its name."""
 _LONGEST_NAME: Final = 256
 """Number of characters kept of a name, one more than R5.2 allows: a longer name stays too long."""
-_LONGEST_SHOWN: Final = 60
-_LONGEST_TABLE: Final = 1 << 24
 
 
 class NamedRequest(NamedTuple):
@@ -68,7 +66,7 @@ def describe_name(name: str | None) -> str:
     """Return a requested name in quotes, shortened and printable; a phrase for None."""
     if name is None:
         return "a name that is not a string"
-    short = name if len(name) <= _LONGEST_SHOWN else f"{name[:_LONGEST_SHOWN]}..."
+    short = name if len(name) <= 60 else f"{name[:60]}..."
     return f'"{printable(short)}"'
 
 
@@ -86,7 +84,7 @@ def pack_requests(requests: Sequence[NamedRequest]) -> bytes:
 
 def read_requests(body: BytesIO, config: ArenaConfig) -> list[NamedRequest]:
     """Return the requests that `pack_requests` wrote; raise ReplayError if no match of this config can have them."""
-    names = read_json(body, _LONGEST_TABLE, list[Annotated[str, Meta(max_length=_LONGEST_NAME)] | None])
+    names = read_json(body, 1 << 24, list[Annotated[str, Meta(max_length=_LONGEST_NAME)] | None])
     count = read_number(body)
     if count > MOST_REQUESTS:
         raise ReplayError(f"contains {count} requests by name, but must contain at most {MOST_REQUESTS}")
