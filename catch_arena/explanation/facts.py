@@ -1,6 +1,6 @@
 """Data of explanations: contests, refusals and captures, summaries of hunters and prey, and actions in a step."""
 
-from dataclasses import asdict, dataclass, field, is_dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 from catch_arena.verdicts import Ruling, Verdict
@@ -190,11 +190,9 @@ class PreyAction:
 
 
 def json_ready(value: Any) -> Any:
-    """Return facts as JSON-ready values: verdicts by name, distances in micrometres, and lots in hexadecimal digits,
-    since JSON readers may lack 64-bit integers.
+    """Return a part of a dict of facts as a JSON-ready value: verdicts by name, and lots in hexadecimal digits, since
+    JSON readers may lack 64-bit integers.
     """
-    if is_dataclass(value) and not isinstance(value, type):
-        return json_ready(asdict(value))
     if isinstance(value, Verdict):
         return value.name
     if isinstance(value, dict):

@@ -2,7 +2,7 @@
 
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any, Final
 
 from catch_arena.config import ArbitrationPolicy
@@ -136,7 +136,7 @@ class Explanation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-        found: dict[str, Any] = json_ready(self)
+        found: dict[str, Any] = json_ready(asdict(self))
         return found
 
 

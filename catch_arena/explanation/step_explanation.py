@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import islice
 from typing import Any
 
@@ -55,7 +55,7 @@ class StepExplanation:
 
     def to_dict(self) -> dict[str, Any]:
         """Return JSON-ready values: verdicts by name, lots in hexadecimal digits, distances in micrometres."""
-        found: dict[str, Any] = json_ready(self)
+        found: dict[str, Any] = json_ready(asdict(self))
         return found
 
     def _action(self, hunter: HunterAction) -> str:
