@@ -1,11 +1,11 @@
 """Highlights: moments of recorded matches that are worth seeing, each with its reason and a score.
 
-They follow from the facts of `explain`. A score is in [0, 1]; docs/howto/videos.md has the rule of each kind in words.
+They follow from the facts of `explain`. `SCORES` has the rule of each kind, and docs/howto/videos.md has it in words.
 """
 
 import math
-from collections import Counter, defaultdict
-from collections.abc import Iterable, Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby, pairwise
 from typing import Final, Literal
@@ -16,6 +16,17 @@ from catch_arena.explanation.match_summary import Explanation
 from catch_arena.verdicts import Verdict
 
 Kind = Literal["contest", "capture", "lead", "streak", "finish", "upset"]
+
+SCORES: Final[Mapping[Kind, Callable[..., float]]] = {
+    "contest": lambda margin_um, reach_um: 1.0 - math.log1p(margin_um) / math.log1p(reach_um),
+    "capture": lambda in_play_ms, duration_ms: in_play_ms / duration_ms,
+    "lead": lambda at_ms, duration_ms: (at_ms / duration_ms) ** 2,
+    "streak": lambda catches: 1.0 - 2.0 / catches,
+    "finish": lambda difference, most: (1.0 - difference / most) ** 2,
+    "upset": lambda favourites_share, winners_share: favourites_share - winners_share,
+}
+"""Function of each kind that returns a highlight's score in [0, 1] from the numbers of that kind."""
+KINDS: Final = tuple(SCORES)
 
 CLOSE_CATCHES: Final = 2
 """Largest difference between the first and the second score of a close match."""
@@ -63,7 +74,7 @@ def find_highlights(match: Explanation, rates: Mapping[str, float] | None = None
         *_finish(match),
         *_upset(match, rates or {}),
     ]
-    return sorted(found, key=lambda highlight: highlight.decisive_ms)
+    return sorted(found, key=lambda highlight: (highlight.decisive_ms, KINDS.index(highlight.kind)))
 
 
 def win_rates(matches: Iterable[Explanation]) -> list[dict[str, float]]:
@@ -102,7 +113,7 @@ def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> l
     """
     left = [(place, highlight) for place in sorted(found) for highlight in found[place]]
     chosen: list[tuple[str, Highlight]] = []
-    taken: Counter[Kind] = Counter()
+    taken = dict.fromkeys(KINDS, 0)
     while left and len(chosen) < count:
         place, highlight = max(left, key=lambda item: item[1].score * REPEAT_FACTOR ** taken[item[1].kind])
         chosen.append((place, highlight))
@@ -129,8 +140,8 @@ def _contests(match: Explanation) -> Iterable[Highlight]:
             f"{first} was {metres(winner.distance_um)} from {contest.target}, {second} {metres(loser.distance_um)}: "
             f"{rule} ({contest.clause})"
         )
-        score = 1.0 - math.log1p(margin_um) / math.log1p(max(match.reaches_um))
-        yield _highlight("contest", score, contest.judged_ms, f"{first} beats {second} by {by}", reason)
+        numbers = margin_um, max(match.reaches_um)
+        yield _highlight("contest", numbers, contest.judged_ms, f"{first} beats {second} by {by}", reason)
 
 
 def _captures(match: Explanation) -> Iterable[Highlight]:
@@ -138,7 +149,7 @@ def _captures(match: Explanation) -> Iterable[Highlight]:
         event = f"{match.names[capture.seat]} catches {match.prey_names[capture.prey]}"
         place = "" if capture.distance_um is None else f", from {metres(capture.distance_um)}"
         reason = f"The prey had escaped for {seconds(capture.in_play_ms)}{place} (R12.3)"
-        yield _highlight("capture", capture.in_play_ms / match.duration_ms, capture.judged_ms, event, reason)
+        yield _highlight("capture", (capture.in_play_ms, match.duration_ms), capture.judged_ms, event, reason)
 
 
 def _changes_of_lead(match: Explanation) -> list[tuple[int, Catch]]:
@@ -157,7 +168,7 @@ def _leads(match: Explanation) -> Iterable[Highlight]:
         scores, at_ms = after.scores, after.judged_ms
         event = f"{names[new]} takes the lead, {scores[new]} : {sorted(scores)[-2]}"
         reason = f"{names[old]}, which led from {seconds(before.judged_ms)} on, has {scores[old]} (R6.1)"
-        yield _highlight("lead", (at_ms / match.duration_ms) ** 2, at_ms, event, reason)
+        yield _highlight("lead", (at_ms, match.duration_ms), at_ms, event, reason)
 
 
 def _streaks(match: Explanation) -> Iterable[Highlight]:
@@ -169,7 +180,7 @@ def _streaks(match: Explanation) -> Iterable[Highlight]:
             continue
         event = f"{match.names[seat]} catches {len(times)} in a row"
         reason = f"For {seconds(times[-1] - times[0])} no other hunter catches a target (R6.1)"
-        yield _highlight("streak", 1.0 - 2.0 / len(times), times[-1], event, reason, LONG_BEFORE_MS)
+        yield _highlight("streak", (len(times),), times[-1], event, reason, LONG_BEFORE_MS)
 
 
 def _finish(match: Explanation) -> Iterable[Highlight]:
@@ -182,7 +193,7 @@ def _finish(match: Explanation) -> Iterable[Highlight]:
     decides = "One catch decides" if difference == 1 else f"{difference} catches decide"
     reason = f"{decides} the match (R6.1)" if difference else "They share the first rank (R6.1)"
     decisive_ms = max(match.catches[-1].judged_ms, match.duration_ms - 1000)
-    yield _highlight("finish", (1.0 - difference / best) ** 2, decisive_ms, event, reason, LONG_BEFORE_MS)
+    yield _highlight("finish", (difference, best), decisive_ms, event, reason, LONG_BEFORE_MS)
 
 
 def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight]:
@@ -201,20 +212,20 @@ def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight
         f"It won {100 * shares[winner]:.0f} % of its other matches, and {names[favourite]} "
         f"{100 * shares[favourite]:.0f} %; from here on it leads (R6.1)"
     )
-    yield _highlight("upset", shares[favourite] - shares[winner], at_ms, event, reason)
+    yield _highlight("upset", (shares[favourite], shares[winner]), at_ms, event, reason)
 
 
 def _highlight(
     kind: Kind,
-    score: float,
+    numbers: Sequence[float],
     decisive_ms: int,
     event: str,
     reason: str,
     before_ms: int = BEFORE_MS,
 ) -> Highlight:
-    """Return a highlight that spans a few seconds around the decisive instant."""
+    """Return a highlight with its score, which spans a few seconds around the decisive instant."""
     start_ms, end_ms = max(0, decisive_ms - before_ms), decisive_ms + AFTER_MS
-    return Highlight(kind, start_ms, decisive_ms, end_ms, score, event, reason)
+    return Highlight(kind, start_ms, decisive_ms, end_ms, SCORES[kind](*numbers), event, reason)
 
 
 def lead(scores: Sequence[int]) -> tuple[int | None, int]:
