@@ -17,12 +17,13 @@ def state_vector(world: World, config: ArenaConfig) -> NDArray[np.float32]:
         numbers += [1.0, target.x, target.y, (world.time_ms - target.spawned_ms) / 1000.0]
         if config.targets_move:
             numbers += [np.cos(target.theta), np.sin(target.theta), target.linear_velocity]
-    numbers += [0.0] * (7 if config.targets_move else 4) * (config.max_targets - len(world.targets))
+    of_target = 7 if config.targets_move else 4
+    numbers += [0.0] * of_target * (config.max_targets - len(world.targets))
     played = {target.prey: target for target in world.targets}
     for prey in world.prey:
         its = played.get(prey.name)
         if its is None:
-            numbers += [0.0] * 7
+            numbers += [0.0] * 7  # prey that is out
         else:
             numbers += [1.0, its.x, its.y, np.cos(its.theta), np.sin(its.theta)]
             numbers += [its.linear_velocity, its.angular_velocity]
