@@ -33,8 +33,9 @@ from catch_arena.files import write_whole
 from catch_arena.suite.contents import HELD_OUT_OPPONENTS, REFERENCES, SUITE, TRAINING_OPPONENTS
 from catch_arena.suite.measures import REFERENCES_FILE, AgentMeasures, facts_of, measure
 from catch_arena.suite.tournaments import play, tournaments
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.loading import shipped
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.statistics.intervals import Estimate
 
 PAGE: Final = Path(__file__).parent.parent / "docs" / "reference" / "card.md"

@@ -18,14 +18,14 @@ from catch_arena.errors import AgentError, MatchFailedError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.replay.fileformat import decode_replay
 from catch_arena.text import last_lines
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import do_in_order
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.grading import GradedMatch, TestGrade, grade_agent, unplayed_grade
 from catch_arena.tournament.grading_spec import GradingSpec
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 
 KEPT: Final = "json"
 """Folder of the kept grades, in the folder of results."""
@@ -65,7 +65,7 @@ def grade_submission(
         MatchFailedError: if a match could not be held.
     """
     try:
-        (student,) = enter([submission.agent], inspector(worker.sandbox))
+        (student,) = enter([submission.agent], worker.sandbox)
     except (AgentError, OSError) as error:  # no agent, such as a notebook, or a file that cannot be read
         why = str(error).replace(f"{submission.path.parent}/", "")
         grades = tuple(unplayed_grade(test, why, hinted=False) for test in spec.tests)

@@ -23,7 +23,6 @@ from catch_arena.tournament.grading import enter_opponents
 from catch_arena.tournament.grading_spec import GradingSpec
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for
-from catch_arena.tournament.players import inspector
 from catch_arena.tournament.store import only_one_plays_in
 
 _Grading = tuple[Callable[[Submission], Graded], str, Executor]
@@ -93,7 +92,7 @@ def _agent_grading(exercise: GradingSpec, students: ClassOptions, trust: Trust, 
         )
     jobs = min(students.jobs or usable_cores(), submissions)
     with sandbox_for(quotas) as sandbox:
-        rivals = enter_opponents(exercise, inspector(sandbox))
+        rivals = enter_opponents(exercise, sandbox)
     print_level(quotas, ["a submission"])
     worker = Worker(exercise.tests[0].config, (), quotas=quotas)
     grade_one = partial(grade_submission, worker, exercise, rivals)

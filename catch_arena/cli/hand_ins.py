@@ -26,10 +26,9 @@ from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.errors import ConfigError
 from catch_arena.files import write_whole
 from catch_arena.scenarios import SCENARIOS
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.grading_spec import GradingSpec, read_spec
 from catch_arena.tournament.isolation.sandbox import sandbox_for
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 
 if TYPE_CHECKING:
     from catch_arena.tournament.grading import TestGrade
@@ -53,7 +52,7 @@ def check_agent(
     quotas = trust.quotas()
     errors = 0
     with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
-        (entrant,) = enter([agent], inspector(sandbox))
+        (entrant,) = enter([agent], sandbox)
         print_level(quotas, [entrant.spec])
         for finding in check_fitness(entrant, arenas, sandbox, show):
             errors += finding.level == "error"
@@ -180,9 +179,8 @@ def _grade_agent(
     quotas = trust.quotas()
     grades: list[TestGrade] = []
     with sandbox_for(quotas) as sandbox:
-        inspect = inspector(sandbox)
-        rivals = enter_opponents(exercise, inspect)
-        (student,) = enter([agent], inspect)
+        rivals = enter_opponents(exercise, sandbox)
+        (student,) = enter([agent], sandbox)
         print_level(quotas, [student.spec])
         for test, opponents in zip(exercise.tests, rivals, strict=True):
             with progress_bar(test.name, test.matches) as show:

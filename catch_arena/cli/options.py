@@ -4,7 +4,6 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
 
@@ -15,13 +14,13 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.scenarios import scenario as scenario_of
-from catch_arena.tournament.agent_spec import AgentSpec, is_shipped
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.agent_spec import is_shipped
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.namespaces import available_level, level_line
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.parties import Parties
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 
 if TYPE_CHECKING:
     from catch_arena.tournament.execution.executors import Executor, Worker
@@ -232,13 +231,7 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, 
     A warning is printed for each agent that cannot play. Without quotas all are trusted.
     """
     with sandbox_for(quotas) as sandbox, progress_bar("loading agents") as show:
-        inspect, seen = inspector(sandbox), count(1)
-
-        def inspect_next(agent: AgentSpec) -> Entrant:
-            show(next(seen), len(specs))
-            return inspect(agent)
-
-        entrants = enter(specs, inspect_next)
+        entrants = enter(specs, sandbox, show)
     print_level(quotas, [entrant.spec for entrant in entrants])
     for entrant in entrants:
         if entrant.fault is not None:

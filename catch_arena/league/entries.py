@@ -14,7 +14,8 @@ from catch_arena.errors import CatchArenaError, ConfigError
 from catch_arena.files import read_text, unwritable
 from catch_arena.text import name_fault, one_line, printable
 from catch_arena.tournament.agent_spec import IN_FOLDER
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.players import enter
 
 SHIPPED: Final = (
     *("nearest", "random", "intercept", "contested", "first", "corners", "patrol", "tour", "assignment", "voronoi"),

@@ -25,7 +25,7 @@ from catch_arena.league.store import LeagueStore, RatingThen, Version
 from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness
 from catch_arena.tournament.agent_spec import is_shipped
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import ForfeitStreaks, do_in_order
 from catch_arena.tournament.execution.executors import Executor, Worker, local_executor
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS, log_file, play_and_store
@@ -33,7 +33,7 @@ from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.match import MAX_FORFEITS, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import block_of
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
 from catch_arena.tournament.store import Store, Tournament, terms_of
@@ -268,7 +268,7 @@ def check_version(worker: Worker, agent: str, scenario: str, fault: str) -> Entr
     if fault:
         return Entrant(agent, agent, "target", "", fault)
     try:
-        (entrant,) = enter([agent], inspector(worker.sandbox))
+        (entrant,) = enter([agent], worker.sandbox)
         if not is_shipped(entrant.spec):
             for finding in check_fitness(entrant, {scenario: worker.config}, worker.sandbox):
                 if finding.level == "error":

@@ -6,13 +6,14 @@ from pathlib import Path
 
 from catch_arena.suite.contents import Suite
 from catch_arena.tournament.agent_spec import is_shipped
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.executors import Worker, local_executor
 from catch_arena.tournament.execution.runner import Setup
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.players import enter
 
 
 def tournaments(suite: Suite, agent: Entrant, out: Path, blocks: int, quotas: Quotas | None) -> list[Setup]:

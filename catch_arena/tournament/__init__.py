@@ -9,7 +9,7 @@ Folders:
 Files, from one match up:
 - agent_spec: names of agents on the command line. loading: import of an agent's code. entrants: agents in a tournament.
 - parties: teams and single prey, each played by one entrant. match: matches, their results and ranks. players: the
-  agents of one match. match_loop: playing one match.
+  agents of one match, and agents' inspection. match_loop: playing one match.
 - secret: the tournament's secret, and all seeds that follow from it.
 - store: played matches.
 - export: other files of a tournament.

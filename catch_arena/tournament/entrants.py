@@ -1,18 +1,12 @@
-"""Entrants: agents that were inspected, each under a name that is unique in its tournament."""
+"""Entrants: agents that were inspected (`players.enter`), each under a name that is unique in its tournament."""
 
-import sys
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache
 from pathlib import Path
 from typing import Final
 
 from catch_arena.config import Control
-from catch_arena.errors import AgentError
-from catch_arena.policy import Side, control_of
-from catch_arena.text import name_fault
-from catch_arena.tournament.agent_spec import AgentSpec, command_of, file_of, resolve, shipped_spec, unique_names
-from catch_arena.tournament.loading import create_policy, sources_and_prey
+from catch_arena.policy import Side
+from catch_arena.tournament.agent_spec import command_of, file_of, shipped_spec
 
 SHIPPED_PREY: Final = "flee"
 """The agent that plays prey for agents that do not."""
@@ -64,40 +58,3 @@ class Entrant:
         if (words := command_of(self.spec)) is not None:
             return f"a command: {Path(words[0]).name}"
         return self.spec if file_of(self.spec) is None else Path(self.spec).name
-
-
-def inspect_agent(agent: AgentSpec) -> Entrant:
-    """Return the entrant of an agent that is inspected in this process, or raise AgentError; its name is its spec."""
-    control = control_of(create_policy(agent.spec))
-    sources, prey = sources_and_prey(agent.spec)
-    return Entrant(agent.spec, agent.spec, control, agent.digest(sources), prey=prey)
-
-
-def enter(specs: Sequence[str], inspect: Callable[[AgentSpec], Entrant] = inspect_agent) -> tuple[Entrant, ...]:
-    """Return the entrants that these words on the command line name, in their order.
-
-    `inspect` inspects an agent, in this process or in its own (`players.inspector`).
-
-    Raises:
-        AgentError: in one line that names the word and its fault.
-    """
-    entrants = []
-    inspect = cache(inspect)
-    agents = [resolve(spec) for spec in specs]
-    for agent, name in zip(agents, unique_names(agents), strict=True):
-        if any("\ud800" <= letter <= "\udfff" for letter in agent.spec):  # Python's form of bytes that are no text
-            raise AgentError(
-                f"{agent.spec!a}: must be text in this system's encoding, {sys.getfilesystemencoding()}: "
-                "give the file or its folder another name, or try LANG=C.UTF-8"
-            )
-        if (wrong := name_fault(name)) is not None:
-            raise AgentError(f"{agent.spec!a}: {wrong}; give the file another name")
-        entrant = inspect(agent)
-        prey_digest = _shipped_prey().digest if entrant.needs_prey else entrant.digest
-        entrants.append(replace(entrant, name=name, prey_digest=prey_digest))
-    return tuple(entrants)
-
-
-@cache
-def _shipped_prey() -> Entrant:
-    return enter([SHIPPED_PREY])[0]

@@ -15,14 +15,14 @@ from catch_arena.errors import ConfigError
 from catch_arena.files import tomllib
 from catch_arena.policy import PreyView, Side, View, player_limits
 from catch_arena.text import last_lines, printable, printable_lines
-from catch_arena.tournament.agent_spec import AgentSpec
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.grading_spec import GradingSpec, GradingTest
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import NOT_INSTALLED
 from catch_arena.tournament.match import MAX_FORFEITS, MOST_TIMEOUTS, Forfeit, MatchResult
 from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.parties import Parties
+from catch_arena.tournament.players import enter
 
 _OFTEN: Final = 0.1
 """Share of an agent's requests, in [0, 1], that a verdict must exceed for its hint."""
@@ -72,18 +72,14 @@ class GradedMatch(NamedTuple):
     """Content of the replay's file."""
 
 
-def enter_opponents(spec: GradingSpec, inspect: Callable[[AgentSpec], Entrant]) -> list[tuple[Entrant, ...]]:
-    """Return the opponents in each test of a spec, inspected as by `enter`.
-
-    Raises:
-        ConfigError: for an opponent that cannot play, or a test that only a node can play.
-    """
+def enter_opponents(spec: GradingSpec, sandbox: Sandbox | None) -> list[tuple[Entrant, ...]]:
+    """Return the opponents in each test of a spec; raise ConfigError if one cannot play, or if only a node can."""
     entered = []
     for test in spec.tests:
         at = f"{spec.path}: {test.name}"
         if test.cases:
             raise ConfigError(f"{at}: only a node can play cases; give its service, such as ros:/catch_turtle")
-        opponents = enter(test.opponents, inspect)
+        opponents = enter(test.opponents, sandbox)
         for opponent_spec, opponent in zip(test.opponents, opponents, strict=True):
             if opponent.fault is not None:
                 raise ConfigError(f"{at}: opponent {opponent_spec} cannot play: {opponent.fault}")

@@ -2,23 +2,25 @@
 
 import math
 import select
+import sys
 import time
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractContextManager
 from dataclasses import replace
+from functools import cache, partial
 from types import MappingProxyType
 from typing import Any, Final, get_args
 
 from catch_arena.config import Control, require_choice
 from catch_arena.errors import AgentError, ConfigError, MatchFailedError, reason
 from catch_arena.policy import AnyLimits, Policy, PreyPolicy, control_of
-from catch_arena.text import last_lines, one_line, shortened
-from catch_arena.tournament.agent_spec import AgentSpec, is_shipped
-from catch_arena.tournament.entrants import Entrant, inspect_agent
+from catch_arena.text import last_lines, name_fault, one_line, shortened
+from catch_arena.tournament.agent_spec import AgentSpec, is_shipped, resolve, unique_names
+from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant
 from catch_arena.tournament.isolation import protocol
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import ENDED, AgentProcess, Sandbox, excerpt, exit_reason
-from catch_arena.tournament.loading import create_policy
+from catch_arena.tournament.loading import create_policy, sources_and_prey
 from catch_arena.tournament.match import Fault, Move, Observation
 
 _POLL_S: Final = 0.1
@@ -261,20 +263,49 @@ class Players(AbstractContextManager["Players"]):
         return exit_reason(code, process.log)
 
 
-def inspector(sandbox: Sandbox | None) -> Callable[[AgentSpec], Entrant]:
-    """Return a function that inspects an agent for `enter`, in the kind of process in which the agent would play."""
+def enter(
+    specs: Sequence[str], sandbox: Sandbox | None = None, progress: Callable[[int, int], None] = lambda *_: None
+) -> tuple[Entrant, ...]:
+    """Return the entrants that these words on the command line name, in their order, or raise AgentError in one line.
 
-    def inspect(agent: AgentSpec) -> Entrant:
-        entrant = Entrant(agent.spec, agent.spec, "target", agent.digest(()))
-        if sandbox is not None and not is_shipped(agent.spec):
-            with Players([entrant], sandbox) as players:
-                return players.inspect(agent)
-        try:
-            return inspect_agent(agent)
-        except AgentError as error:
-            return replace(entrant, fault=one_line(str(error)))
+    Each agent is inspected in the kind of process in which it would play; without a sandbox all are trusted. `progress`
+    gets (number of the agent, number of all) before each inspection.
+    """
+    entrants = []
+    inspect = cache(partial(_inspect, sandbox))
+    agents = [resolve(spec) for spec in specs]
+    for number, (agent, name) in enumerate(zip(agents, unique_names(agents), strict=True), 1):
+        if any("\ud800" <= letter <= "\udfff" for letter in agent.spec):  # Python's form of bytes that are no text
+            raise AgentError(
+                f"{agent.spec!a}: must be text in this system's encoding, {sys.getfilesystemencoding()}: "
+                "give the file or its folder another name, or try LANG=C.UTF-8"
+            )
+        if (wrong := name_fault(name)) is not None:
+            raise AgentError(f"{agent.spec!a}: {wrong}; give the file another name")
+        progress(number, len(agents))
+        entrant = inspect(agent)
+        prey_digest = _shipped_prey().digest if entrant.needs_prey else entrant.digest
+        entrants.append(replace(entrant, name=name, prey_digest=prey_digest))
+    return tuple(entrants)
 
-    return inspect
+
+def _inspect(sandbox: Sandbox | None, agent: AgentSpec) -> Entrant:
+    """Return the entrant of an agent, with a fault if it cannot play; its name is its spec."""
+    entrant = Entrant(agent.spec, agent.spec, "target", agent.digest(()))
+    if sandbox is not None and not is_shipped(agent.spec):
+        with Players([entrant], sandbox) as players:
+            return players.inspect(agent)
+    try:
+        control = control_of(create_policy(agent.spec))
+        sources, prey = sources_and_prey(agent.spec)
+    except AgentError as error:
+        return replace(entrant, fault=one_line(str(error)))
+    return replace(entrant, control=control, digest=agent.digest(sources), prey=prey)
+
+
+@cache
+def _shipped_prey() -> Entrant:
+    return enter([SHIPPED_PREY])[0]
 
 
 def _parse(doing: str, received: bytes | Fault, process: AgentProcess) -> tuple[dict[str, Any], Fault | None]:

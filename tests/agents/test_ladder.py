@@ -15,8 +15,8 @@ from catch_arena.config import RULESET
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.layout import columns, prey_columns
 from catch_arena.tournament.agent_spec import is_shipped, ladder_names, resolve, shipped_names
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.loading import create_policy
+from catch_arena.tournament.players import enter
 from catch_arena.training import Mlp
 from catch_arena.training.flat import COMMANDS
 from catch_arena.training.mixed import play_matches

@@ -11,11 +11,10 @@ from odd_actions import FORMS, NO_RANK, RANK_1, Arrayed, Index, Listed
 
 from catch_arena import VectorArena, env, parallel_env, scenario
 from catch_arena.errors import ActionError, AgentError
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play_entrants, play_match
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 from catch_arena.training import LearnerBatch
 
 SEED = 5
@@ -103,7 +102,7 @@ def test_a_form_of_a_rank_is_legal_in_every_process_or_in_none(level):
     found = {}
     sandbox = None if level == "trusted" else Sandbox(replace(Quotas(init_s=60, step_ms=60_000), isolation=level))
     try:
-        (entrant,) = enter([odd_actions.__file__], *([inspector(sandbox)] if sandbox else []))
+        (entrant,) = enter([odd_actions.__file__], sandbox)
         entrants = [entrant, *enter(["idle"])]
         for seed, name in enumerate(RANK_1 | NO_RANK):
             result = play_entrants(DUEL, SEED, entrants, sandbox, agent_seeds=(seed, 0), most_steps=1)

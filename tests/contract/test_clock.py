@@ -7,11 +7,10 @@ from pathlib import Path
 
 import catch_arena
 from catch_arena import scenario
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.match_loop import play_entrants
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 
 PACKAGE = Path(catch_arena.__file__).parent
 WALL = re.compile(
@@ -31,7 +30,7 @@ def test_a_match_during_which_the_clock_jumps_by_years_comes_out_as_any_other(tm
     )
     quotas = Quotas(init_s=60, step_ms=60_000)
     with sandbox_for(quotas) as sandbox:
-        entrants = enter([str(tmp_path / "mine.py"), "nearest"], inspector(sandbox))
+        entrants = enter([str(tmp_path / "mine.py"), "nearest"], sandbox)
         config = scenario("duel", time_limit_s=6)
         before = play_entrants(config, 5, entrants, sandbox)
         draw = random.Random(1)

@@ -27,11 +27,11 @@ from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
 from catch_arena.league.moments import Part, best_and_worst
 from catch_arena.league.store import LeagueStore, RatingThen
 from catch_arena.scenarios import scenario
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.match import Forfeit
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.statistics.intervals import Estimate
 from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.standings import standings

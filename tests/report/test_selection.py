@@ -5,8 +5,8 @@ from pathlib import Path
 from catch_arena import scenario
 from catch_arena.report import selection
 from catch_arena.report.data import ReportData
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import Match, MatchResult, MoveTimes, PlayedMatch
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.store import Tournament
 
 

@@ -11,8 +11,7 @@ from catch_arena.ros.nodes import controller
 from catch_arena.ros.nodes.controller import Controller
 from catch_arena.ros.nodes.spawner import Spawner
 from catch_arena.scenarios import scenario
-from catch_arena.tournament.entrants import enter
-from catch_arena.tournament.players import Players, inspector
+from catch_arena.tournament.players import Players, enter
 
 A_SECOND = 63
 """Ticks of 16 ms."""
@@ -87,7 +86,7 @@ def test_names_that_are_taken_are_passed_over_at_once_and_told_once(node, turtle
 @pytest.fixture
 def drives(hub):
     """Makes turtle2's controller, with a target within its reach; what it says, and one control period."""
-    with Players(enter(["nearest"], inspector(None)), None) as players:
+    with Players(enter(["nearest"], None), None) as players:
 
         def make(**options):
             log_lines, ours, others = [], hub.bus("ours"), hub.bus("others")

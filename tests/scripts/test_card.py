@@ -10,8 +10,8 @@ import pytest
 
 from catch_arena.suite.contents import SUITE
 from catch_arena.suite.measures import AgentMeasures, ScenarioMeasures
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.loading import shipped
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.statistics.intervals import Estimate
 
 ROOT = Path(__file__).parents[2]

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from catch_arena.suite.contents import suite_called
 from catch_arena.suite.tournaments import tournaments
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match_loop import play_entrants
+from catch_arena.tournament.players import enter
 
 DATA = Path(__file__).parents[1] / "data"
 STEPS = 150

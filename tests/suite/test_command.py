@@ -15,8 +15,8 @@ from catch_arena.suite import contents
 from catch_arena.suite.contents import Suite, SuiteScenario
 from catch_arena.suite.measures import AgentMeasures, measure, measure_scenario, over_training_runs
 from catch_arena.suite.tournaments import play, tournaments
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.match import MoveTimes
+from catch_arena.tournament.players import enter
 from catch_arena.training import Mlp
 
 SHORT = {"time_limit_s": 3.0}

@@ -18,11 +18,10 @@ from tournament.agents import source
 
 from catch_arena import scenario
 from catch_arena.interrupts import descendants
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play_entrants
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.store import Store
 
 pytestmark = [pytest.mark.hostile, pytest.mark.parametrize("level", NAMESPACES)]
@@ -163,7 +162,7 @@ def fight(hand_ins, level, attack, *, before="", matches=1, **limits):
     (hand_ins / "attacker.py").write_text(attacker(attack, before))
     elder = descendants(os.getpid())
     with Sandbox(Quotas(**(PATIENT | {"isolation": level} | limits))) as sandbox:
-        entrants = enter([str(hand_ins / "attacker.py"), str(hand_ins / "rival.py")], inspector(sandbox))
+        entrants = enter([str(hand_ins / "attacker.py"), str(hand_ins / "rival.py")], sandbox)
         results = [play_entrants(SHORT, 1, entrants, sandbox) for _ in range(matches)]
     for result in results:
         assert result.forfeit_codes[1] is None

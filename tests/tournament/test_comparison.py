@@ -10,8 +10,8 @@ from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.tournament.comparison import ComparisonDesign, compare
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.statistics.sprt import Sprt
 
 QUICK = ["--set", "time_limit_s=5", "--jobs", "1"]

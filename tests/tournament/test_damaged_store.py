@@ -11,11 +11,11 @@ from catch_arena import scenario
 from catch_arena.errors import StoreError
 from catch_arena.report import watch, write_report
 from catch_arena.report.watch import LiveReport
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.export import export
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.standings import standings
 from catch_arena.tournament.store import STORE, Store, Tournament

@@ -12,12 +12,12 @@ from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError, OutputError
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.execution.ray_executor import RayExecutor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.export import columns, export
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.secret import Secret
 from catch_arena.tournament.store import Tournament, versions
 

@@ -13,11 +13,11 @@ from tournament.seats import hunters, listed
 from catch_arena import scenario
 from catch_arena.arbitration import arbitrate
 from catch_arena.envs.parallel import CatchArenaEnv
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.loading import create_policy
 from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.statistics.outcomes import SideResults
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import holm, p_values

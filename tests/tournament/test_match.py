@@ -6,10 +6,10 @@ from tournament.played_matches import made_up
 
 from catch_arena import Replay, interrupts, scenario
 from catch_arena.errors import AgentError, ConfigError
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.loading import create_policy
 from catch_arena.tournament.match import Forfeit, ranks_of
 from catch_arena.tournament.match_loop import play_match
+from catch_arena.tournament.players import enter
 
 SHORT = scenario("duel", time_limit_s=10)
 

@@ -11,7 +11,6 @@ from tournament.seats import blocks_of
 import catch_arena
 from catch_arena import Replay, scenario
 from catch_arena.policy import PreyView
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import create_policy
@@ -19,7 +18,7 @@ from catch_arena.tournament.match import ranks_of_sides
 from catch_arena.tournament.match_loop import play_entrants, play_match
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.statistics.outcomes import on_side
 
 PAIRS = scenario("pairs", time_limit_s=8)
@@ -151,7 +150,7 @@ def test_r12_7_isolated_agents_play_the_same_match(tmp_path, config):
     specs = ["nearest", "patrol", mine, mine] if config is TAG else [mine, "nearest"]
     seeds = (1, 2, 3, 4)[: len(specs)]
     with Sandbox(Quotas()) as sandbox:
-        isolated = play_entrants(config, 3, enter(specs, inspector(sandbox)), sandbox, agent_seeds=seeds)
+        isolated = play_entrants(config, 3, enter(specs, sandbox), sandbox, agent_seeds=seeds)
     trusted = play_entrants(config, 3, enter(specs), None, agent_seeds=seeds)
     assert not any(isolated.forfeit_codes), isolated.forfeits
     assert isolated == trusted

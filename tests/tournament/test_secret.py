@@ -12,10 +12,10 @@ from tournament.seats import blocks_of, hunters
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.execution.runner import REPLAYS, play_plan
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.secret import Purpose, Secret
 from catch_arena.tournament.store import STORE, Store, Tournament
 

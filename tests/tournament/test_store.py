@@ -11,11 +11,11 @@ from tournament.seats import blocks_of, hunters
 
 from catch_arena import scenario
 from catch_arena.errors import OtherTournamentError, StoreError
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Executor, Worker
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.match import Forfeit, MoveTimes, PlayedMatch
 from catch_arena.tournament.plans.schedule import plan_of, round_robin
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.store import STORE, Store, Tournament
 
 SHORT = scenario("duel", time_limit_s=3)

@@ -18,11 +18,11 @@ from tournament.agents import write_agent
 
 import catch_arena
 from catch_arena import scenario
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.agent_spec import resolve, unique_names
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play_entrants
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.store import STORE
 
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=1"]
@@ -179,7 +179,7 @@ def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, 
         f"        os.write(file, {line!r} + b'\\n')\nos._exit(0)"
     )
     path = write_agent(tmp_path / "answers.py", source, before="import os\nfrom contextlib import suppress\n")
-    entrants = enter([path, "nearest"], inspector(sandbox))
+    entrants = enter([path, "nearest"], sandbox)
     result = play_entrants(SHORT, 3, entrants, sandbox)
     assert result.forfeit_codes[1] is None
     assert result.forfeits[0].reason.isprintable()
@@ -188,14 +188,10 @@ def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, 
 
 def test_a_file_may_be_called_like_the_second_of_two(tmp_path):
     (tmp_path / "nearest#2.py").write_text(HOSTILE)
-    found = enter(
-        ["nearest", str(tmp_path / "nearest#2.py"), "nearest"], lambda one: Entrant("", one.spec, "target", "")
-    )
-    assert [one.name for one in found] == ["nearest", "nearest#2", "nearest#3"]
-    found = enter(
-        ["nearest", "nearest", str(tmp_path / "nearest#2.py")], lambda one: Entrant("", one.spec, "target", "")
-    )
-    assert len({one.name for one in found}) == 3
+    file = resolve(str(tmp_path / "nearest#2.py"))
+    nearest = resolve("nearest")
+    assert unique_names([nearest, file, nearest]) == ["nearest", "nearest#2", "nearest#3"]
+    assert len(set(unique_names([nearest, nearest, file]))) == 3
 
 
 @pytest.mark.parametrize("name", ["x" * 101 + ".py", "\x1b[31m.py", "\u202ea.py", "a\tb.py"])

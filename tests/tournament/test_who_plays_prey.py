@@ -12,7 +12,7 @@ from command_line import run
 from catch_arena import Replay
 from catch_arena.errors import OtherTournamentError
 from catch_arena.report import REPORT
-from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.store import Store
 
 AGENTS = ["nearest", "patrol", "first", "corners", "random"]

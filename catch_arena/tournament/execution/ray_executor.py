@@ -11,9 +11,8 @@ from typing import Any, TypeVar
 
 from catch_arena.engine import Engine
 from catch_arena.errors import AgentError, CatchArenaError, ConfigError, MatchFailedError, install_hint, reason
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.executors import Executor, Worker
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.store import versions
 
 _Result = TypeVar("_Result")
@@ -97,7 +96,7 @@ def require_same(worker: Worker, expected: tuple[tuple[str, str], ...]) -> None:
         if here[name] != wanted:
             raise ConfigError(f"{name} must be {wanted} on every machine, got {here[name]} on {platform.node()}")
     for entrant in (one for one in worker.entrants if one.fault is None):
-        (there,) = enter([entrant.spec], inspector(worker.sandbox))
+        (there,) = enter([entrant.spec], worker.sandbox)
         if there.fault is not None:
             raise AgentError(f"{entrant.name}: cannot begin on {platform.node()}: {there.fault}")
         if there.digest != entrant.digest:

@@ -15,13 +15,14 @@ from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.errors import MatchFailedError
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.block_queue import ForfeitStreaks, do_in_order
 from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.match import Fault, Forfeit, Match, MatchResult, MoveTimes, PlayedMatch, ranks_of
 from catch_arena.tournament.plans.schedule import FORMATS, plan_of, round_robin
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.store import Tournament
 
 SEATS = 3

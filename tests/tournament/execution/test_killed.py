@@ -100,7 +100,7 @@ PLAYS = """
 import sys
 from pathlib import Path
 from catch_arena import scenario
-from catch_arena.tournament.entrants import enter
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.execution.executors import local_executor
 from catch_arena.tournament.execution.runner import play_plan
 from catch_arena.tournament.execution.executors import Worker

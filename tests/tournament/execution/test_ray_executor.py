@@ -12,9 +12,10 @@ from tournament.runs import exported
 
 from catch_arena import scenario
 from catch_arena.errors import AgentError, ConfigError
-from catch_arena.tournament.entrants import Entrant, enter
+from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.executors import Worker
 from catch_arena.tournament.execution.ray_executor import require_same
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.store import versions
 
 WORDS = ["nearest", "crashes.py", "--scenario", "duel", "--set", "time_limit_s=3", "--rounds", "4", "--record"]

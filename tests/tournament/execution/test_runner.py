@@ -11,9 +11,9 @@ from tournament.seats import hunters
 from catch_arena import Replay, scenario
 from catch_arena.files import prepare_folder
 from catch_arena.interrupts import descendants
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.execution.runner import LOGS, REPLAYS
 from catch_arena.tournament.plans.schedule import round_robin
+from catch_arena.tournament.players import enter
 
 SHORT = scenario("duel", time_limit_s=6)
 """Seats a strong and an idle agent at each table of the first round."""

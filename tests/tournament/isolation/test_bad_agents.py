@@ -10,11 +10,10 @@ from tournament.agents import LEAVES_A_CHILD, source
 
 from catch_arena import Replay, scenario
 from catch_arena.interrupts import descendants
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play_entrants
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 
 BAD = Path(__file__).parent / "bad"
 SHORT = scenario("duel", time_limit_s=4)
@@ -96,7 +95,7 @@ def played(tmp_path):
         return f"cmd:sh {path}" if name.endswith(".sh") else str(path)
 
     def match(sandbox, *names, record=None):
-        entrants = enter(list(map(spec, names)), inspector(sandbox))
+        entrants = enter(list(map(spec, names)), sandbox)
         config = SHORT.replace(hunters=len(entrants))
         return play_entrants(config, 3, entrants, sandbox, record=record)
 
@@ -174,7 +173,7 @@ def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_noth
 @pytest.mark.parametrize("closing", ["sys.stdout.close()", "sys.stderr.close()", "sys.stdout.detach()"])
 def test_one_that_prints_nowhere_plays_on(sandbox, tmp_path, closing):
     (tmp_path / "quiet.py").write_text(source(before=f"import sys\n{closing}\n"))
-    entrants = enter([str(tmp_path / "quiet.py"), "idle"], inspector(sandbox))
+    entrants = enter([str(tmp_path / "quiet.py"), "idle"], sandbox)
     assert play_entrants(SHORT, 1, entrants, sandbox).forfeit_codes == (None, None)
 
 
@@ -235,7 +234,7 @@ def test_one_that_cannot_begin_is_entered_and_forfeits_with_the_reason_and_its_o
 ):
     path = tmp_path / "mine.py"
     path.write_text(source)
-    entrants = enter([source if source.startswith("cmd:") else str(path), "idle"], inspector(sandbox))
+    entrants = enter([source if source.startswith("cmd:") else str(path), "idle"], sandbox)
     assert entrants[0].fault.endswith(reason)
     result = play_entrants(SHORT, 1, entrants, sandbox)
     assert result.forfeit_codes == ("FORFEIT_INIT", None)

@@ -16,12 +16,11 @@ from catch_arena import scenario
 from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.interrupts import descendants
 from catch_arena.policy import Limits
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.loading import shipped
 from catch_arena.tournament.match_loop import MatchStopped, play_entrants, play_match
-from catch_arena.tournament.players import Players, inspector
+from catch_arena.tournament.players import Players, enter
 
 SHORT = scenario("duel", time_limit_s=10)
 
@@ -44,8 +43,8 @@ def played(config, entrants, sandbox, **options):
 def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):
     names = [*shipped(), "random"]
     config = scenario("standard", hunters=len(names), time_limit_s=6)
-    isolated = played(config, enter([alone(name) for name in names], inspector(sandbox)), sandbox)
-    mixed = played(config, enter([alone(name) for name in names[:3]] + names[3:], inspector(sandbox)), sandbox)
+    isolated = played(config, enter([alone(name) for name in names], sandbox), sandbox)
+    mixed = played(config, enter([alone(name) for name in names[:3]] + names[3:], sandbox), sandbox)
     trusted = played(config, enter(names), None)
     assert isolated == mixed == trusted
     assert isolated.forfeit_codes == (None,) * len(names)
@@ -54,9 +53,9 @@ def test_isolated_and_trusted_play_agree_in_every_bit(sandbox):
 def test_agents_that_come_with_the_package_need_no_process(sandbox):
     sandbox.close()
     before = descendants(os.getpid())  # Python's own helpers may have been started by other tests
-    played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], inspector(sandbox)), sandbox)
+    played(SHORT, enter(["nearest", "catch_arena.agents.idle:Agent"], sandbox), sandbox)
     assert descendants(os.getpid()) == before
-    played(SHORT, enter(["nearest", alone("idle")], inspector(sandbox)), sandbox)
+    played(SHORT, enter(["nearest", alone("idle")], sandbox), sandbox)
     # in namespaces: bubblewrap, its first process, and the program of the agent
     of_each = 3 if sandbox.quotas.isolation == "namespaces" else 1
     assert len(descendants(os.getpid()) - before) == of_each
@@ -66,14 +65,14 @@ def test_an_entrant_is_the_same_however_it_was_looked_at(sandbox, tmp_path):
     path = tmp_path / "mine.py"
     path.write_text("from catch_arena.agents.patrol import Agent\nfrom catch_arena.agents.flee import Prey\n")
     words = ["patrol", "catch_arena.agents.first:Agent", str(path)]
-    assert enter(words, inspector(sandbox)) == enter(words)
+    assert enter(words, sandbox) == enter(words)
 
 
 def test_an_agent_plays_with_the_control_of_its_check_whatever_it_says_later(sandbox, tmp_path):
     drives = write_agent(tmp_path / "drives.py", "return 1.0, 0.5")
     results = []
     for within in (sandbox, None):
-        first, *others = enter([drives, "idle"], inspector(within))
+        first, *others = enter([drives, "idle"], within)
         assert first.control == "target"
         results.append(played(SHORT, [replace(first, control="velocity"), *others], within))
     assert results[0].forfeit_codes == (None, None)
@@ -93,7 +92,7 @@ def test_a_command_plays_from_the_folder_that_it_was_named_in(sandbox, tmp_path,
     """Agents work in another folder. This one drives: velocities are actions of any language."""
     monkeypatch.chdir(tmp_path)
     (tmp_path / "drives.sh").write_text(DRIVES)
-    entrants = enter(["cmd:sh drives.sh", "idle"], inspector(sandbox))
+    entrants = enter(["cmd:sh drives.sh", "idle"], sandbox)
     monkeypatch.chdir("/")
     assert (entrants[0].control, entrants[0].fault) == ("velocity", None)
     assert played(SHORT, entrants, sandbox).forfeit_codes == (None, None)
@@ -103,14 +102,14 @@ def test_a_file_that_no_system_can_start_is_a_fault(sandbox, tmp_path):
     program = tmp_path / "bot"
     program.write_text("no program\n")
     program.chmod(0o755)
-    (entrant,) = enter([f"cmd:{program}"], inspector(sandbox))
+    (entrant,) = enter([f"cmd:{program}"], sandbox)
     hint = "a script's first line must name its interpreter, such as #!/bin/sh"
     assert entrant.fault.endswith(f"bot: cannot be started: Exec format error; {hint}")
 
 
 def test_an_agent_is_told_its_own_seed_and_the_arenas_limits(sandbox, tmp_path):
     act = "print(view.limits, view.observation[:2])\nreturn 0"
-    entrants = enter([write_agent(tmp_path / "tells.py", act, "print('seed', seed)"), "idle"], inspector(sandbox))
+    entrants = enter([write_agent(tmp_path / "tells.py", act, "print('seed', seed)"), "idle"], sandbox)
     result = played(SHORT, entrants, sandbox, agent_seeds=(2**63 - 1, 1))
     assert result.logs[0].startswith(f"seed {2**63 - 1}\n{Limits.of(SHORT)} [")
 
@@ -122,7 +121,7 @@ def test_a_module_is_imported_once_for_all_matches_and_what_a_match_changes_is_g
         "matches.append(1)\nAgent.step += 1\nPath('file').open('a').write('x')\n"
         "print(len(matches), Agent.step, len(Path('file').read_text()))"
     )
-    entrants = enter([write_agent(tmp_path / "mine.py", reset=reset, before=before), "idle"], inspector(sandbox))
+    entrants = enter([write_agent(tmp_path / "mine.py", reset=reset, before=before), "idle"], sandbox)
     first, second = (played(SHORT, entrants, sandbox).logs[0].splitlines() for _ in range(2))
     assert first in (["1 1 1"], ["imported", "1 1 1"])  # it was imported when it was looked at, or for the first match
     assert second == ["1 1 1"]
@@ -137,7 +136,7 @@ def test_all_are_asked_at_the_same_time(tmp_path):
     )
     path = write_agent(tmp_path / "waits.py", act, before=before)
     with Sandbox(Quotas(step_ms=120_000, isolation="processes")) as patient:  # where it may write next to its file
-        entrants = enter([path] * 4, inspector(patient))
+        entrants = enter([path] * 4, patient)
         result = played(scenario("standard", time_limit_s=0.3), entrants, patient)
     assert result.forfeit_codes == (None,) * 4
     assert len(list(tmp_path.glob("3-*"))) == 4
@@ -152,7 +151,7 @@ def test_the_docs_have_every_limit():
 
 def test_a_process_that_cannot_start_is_no_contest_and_its_last_line_says_why(sandbox, monkeypatch):
     """Here the program that all agents run in: it ends before it has run any of an agent's code."""
-    entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
+    entrants = enter([alone("nearest"), alone("idle")], sandbox)
     sandbox.close()
     with monkeypatch.context() as changed:
         changed.setattr("catch_arena.tournament.isolation.sandbox._MAIN", "raise SystemExit('no room')")
@@ -170,7 +169,7 @@ def test_without_a_folder_for_temporary_files_nothing_begins_and_no_agent_is_bla
         Sandbox(Quotas(isolation="processes")) as sandbox,
         pytest.raises(MatchFailedError) as raised,
     ):
-        enter([alone("nearest")], inspector(sandbox))
+        enter([alone("nearest")], sandbox)
     why = "No usable temporary directory found: set TMPDIR to a writable folder"
     assert str(raised.value) == f"an agent's process cannot be started: {why}"
 
@@ -178,7 +177,7 @@ def test_without_a_folder_for_temporary_files_nothing_begins_and_no_agent_is_bla
 def test_a_match_in_which_we_stood_still_ourselves_is_no_contest(sandbox, tmp_path, monkeypatch):
     monkeypatch.setattr("catch_arena.tournament.players._STALL_S", 1.0)
     slow = write_agent(tmp_path / "slow.py", "time.sleep(0.05)\nreturn 0", before="import time\n")
-    entrants = enter([slow, "idle"], inspector(sandbox))
+    entrants = enter([slow, "idle"], sandbox)
     former = signal.signal(signal.SIGALRM, lambda *_: time.sleep(1.5))
     try:
         with (
@@ -199,7 +198,7 @@ def test_no_agent_pays_for_what_is_done_while_waiting_for_it(sandbox, tmp_path, 
     clock = SimpleNamespace(monotonic=lambda: time.monotonic() + sum(drawing_s), perf_counter=time.perf_counter)
     slow = write_agent(tmp_path / "slow.py", "time.sleep(0.3)\nreturn 0", before="import time\n")
     with Sandbox(Quotas(isolation=sandbox.quotas.isolation, step_ms=60_000, bank_s=0)) as patient:
-        entrants = enter([slow, "idle"], inspector(patient))
+        entrants = enter([slow, "idle"], patient)
         with Players(entrants, patient, while_waiting=lambda: drawing_s.append(100.0)) as players:
             monkeypatch.setattr("catch_arena.tournament.players.time", clock)
             result = play_match(SHORT, 1, players, ["a", "b"], most_steps=1)
@@ -218,7 +217,7 @@ def test_a_match_may_be_stopped_while_an_agent_hangs(sandbox, tmp_path):
             raise MatchStopped
 
     with Sandbox(Quotas(isolation=sandbox.quotas.isolation, step_ms=600_000)) as patient:
-        entrants = enter([hangs, alone("idle")], inspector(patient))
+        entrants = enter([hangs, alone("idle")], patient)
         with Players(entrants, patient, while_waiting=stop) as players:
             result = play_match(SHORT, 1, players, ["a", "b"])
     assert result.forfeit_codes == (None, None)
@@ -228,7 +227,7 @@ def test_a_match_may_be_stopped_while_an_agent_hangs(sandbox, tmp_path):
 
 def test_players_that_begin_again_have_no_more_processes(sandbox):
     """As when a ROS arena restarts its match."""
-    entrants = enter([alone("idle"), alone("first")], inspector(sandbox))
+    entrants = enter([alone("idle"), alone("first")], sandbox)
     limits = [Limits.of(SHORT, seat) for seat in range(2)]
     counts = []
     with Players(entrants, sandbox) as players:
@@ -241,7 +240,7 @@ def test_players_that_begin_again_have_no_more_processes(sandbox):
 def test_an_interrupt_ends_all_agents_and_the_next_match_starts_anew(sandbox):
     sandbox.close()
     before = descendants(os.getpid())
-    entrants = enter([alone("nearest"), alone("idle")], inspector(sandbox))
+    entrants = enter([alone("nearest"), alone("idle")], sandbox)
 
     def interrupt(env):
         if env.world().step == 5:

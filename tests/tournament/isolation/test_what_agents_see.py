@@ -13,11 +13,10 @@ import pytest
 from isolation_levels import LEVELS, NAMESPACES
 
 from catch_arena import scenario
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play_entrants
-from catch_arena.tournament.players import inspector
+from catch_arena.tournament.players import enter
 
 DOCS = Path(__file__).parents[3] / "docs" / "howto" / "isolation.md"
 SHORT = scenario("duel", time_limit_s=1)
@@ -59,7 +58,7 @@ def evaluate(tmp_path):
         folder.mkdir(exist_ok=True)
         (folder / "asks.py").write_text(ASKS)
         (folder / "asks.json").write_text(json.dumps(questions))
-        entrants = enter([str(folder / "asks.py"), "idle"], inspector(sandbox))
+        entrants = enter([str(folder / "asks.py"), "idle"], sandbox)
         for _ in range(matches):
             result = play_entrants(SHORT, 1, entrants, sandbox)
             assert result.forfeit_codes == (None, None), result.forfeits
@@ -99,7 +98,7 @@ def test_an_agent_plays_from_any_place_with_what_is_its_own(sandbox, tmp_path, p
         if place == "a link":
             own.symlink_to(target)
         weights.write_bytes(b"1")
-        entrants = enter([str(own), "idle"], inspector(sandbox))
+        entrants = enter([str(own), "idle"], sandbox)
         assert (entrants[0].name, entrants[0].fault) == (name, None)
         assert play_entrants(SHORT, 1, entrants, sandbox).forfeit_codes == (None, None)
     finally:
@@ -209,7 +208,7 @@ def test_a_hand_in_that_vanishes_forfeits_and_the_other_plays_on(level, tmp_path
     path = tmp_path / "mine.py"
     path.write_text("class Agent:\n    def reset(self, seed): pass\n    def act(self, view): return 0\n")
     with Sandbox(Quotas(isolation=level, **FREE)) as sandbox:
-        entrants = enter([str(path), "idle"], inspector(sandbox))
+        entrants = enter([str(path), "idle"], sandbox)
         path.unlink()
         result = play_entrants(SHORT, 1, entrants, sandbox)
     assert result.forfeit_codes == ("FORFEIT_INIT", None)
@@ -225,7 +224,7 @@ def test_a_command_in_another_language_plays_as_pythons_nearest_does(sandbox, tm
     config = scenario("duel", time_limit_s=10)
     results = []
     for spec in (f"cmd:sh {tmp_path}/bot.sh", "nearest"):
-        entrants = enter([spec, "idle"], inspector(sandbox))
+        entrants = enter([spec, "idle"], sandbox)
         results.append(play_entrants(config, 1, entrants, sandbox))
     assert results[0] == results[1]
     assert results[0].scores[0] > 0

@@ -9,8 +9,8 @@ from tournament.seats import hunters
 
 from catch_arena import scenario
 from catch_arena.errors import ConfigError
-from catch_arena.tournament.entrants import enter
 from catch_arena.tournament.plans.schedule import UntilSeparated, round_robin
+from catch_arena.tournament.players import enter
 
 
 def test_it_ends_when_the_order_is_clear_after_whole_rounds():
