@@ -12,7 +12,7 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.block_queue import ForfeitStreaks, play_blocks
 from catch_arena.tournament.execution.executors import Worker, local_executor
 from catch_arena.tournament.isolation.quotas import Quotas
-from catch_arena.tournament.match import MAX_FORFEITS, Match, PlayedMatch
+from catch_arena.tournament.match import MAX_FORFEITS, Block, Match, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.secret import Secret
@@ -24,58 +24,31 @@ _A, _B, _FIELD = range(3)
 """Indices among the entrants: the two that are compared, and the first of their field."""
 
 
-@dataclass(frozen=True, slots=True)
-class ComparisonDesign:
-    """Seats of A, B and their field in each block of a comparison; with prey each side is compared separately.
+def comparison_block(matches: Iterable[Match], free: int) -> Block:
+    """Return a block of a round robin with A, B and their field as players, if the field leaves `free` parties to both.
 
-    If the field leaves one seat free, A and B take it in turn, in every seat and on the same targets. Otherwise both
-    sit in the same match, and share the free seats.
+    If one is free, A and B take it in turn, in every seat and with the same seeds, in twice as many matches. Otherwise
+    both sit in the same match, and share the free parties.
     """
+    found = []
+    for match in matches:
+        for turn in (0, 1) if free == 1 else (0,):
+            seating = [_FIELD + role - free if role >= free else (role + turn) % 2 for role in match.seating]
+            found.append(replace(match, id=f"{match.id}-{'ab'[turn]}", seating=tuple(seating)))
+    return tuple(found)
 
-    parties: Parties
-    field: int
-    """Number of agents of the field in a match."""
 
-    def __post_init__(self) -> None:
-        seats = self.parties.group
-        fitting = [size for size in range(seats) if size == seats - 1 or (seats - size) % 2 == 0]
-        if self.field not in fitting:
-            raise ConfigError(
-                f"the field (--against) must be of {' or '.join(map(str, fitting))} agents, got {self.field}: a block "
-                f"has {seats} players, and A and B share what the field leaves free, or play it in turn"
-            )
-        if seats < 2:
-            raise ConfigError(f"the scenario must be for at least 2 agents, got {seats}")
+def share_of_a(block: Sequence[PlayedMatch], parties: Parties, free: int) -> float:
+    """Return A's share against B in a block, in [0, 1]: a better rank counts 1, an equal one counts one half.
 
-    @property
-    def in_turn(self) -> bool:
-        """True if A and B play in turn, and never meet."""
-        return self.parties.group - self.field == 1
-
-    def block(self, matches: Iterable[Match]) -> tuple[Match, ...]:
-        """Return a block of a round robin with A, B and their field as players; if A and B play in turn, twice as long.
-
-        A player that takes another's place in turn gets the same seed.
-        """
-        free = self.parties.group - self.field
-        found = []
-        for match in matches:
-            for turn in (0, 1) if self.in_turn else (0,):
-                seating = [_FIELD + role - free if role >= free else (role + turn) % 2 for role in match.seating]
-                found.append(replace(match, id=f"{match.id}-{'ab'[turn]}", seating=tuple(seating)))
-        return tuple(found)
-
-    def share_of_a(self, block: Sequence[PlayedMatch]) -> float:
-        """Return A's share against B in a block, in [0, 1]: a better rank counts 1, an equal one counts one half.
-
-        With prey, all ranks on a side in the block are compared: in one match A and B may be on different sides.
-        """
-        compared = [on_side(block, self.parties, side) for side in self.parties.sides]
-        if len(compared) == 1:
-            (matches,), step = compared, 2 if self.in_turn else 1
-            compared = [matches[begin : begin + step] for begin in range(0, len(matches), step)]
-        shares = [_share(matches) for matches in compared]
-        return sum(shares) / len(shares)
+    With prey, all ranks on a side in the block are compared: in one match A and B may be on different sides.
+    """
+    compared = [on_side(block, parties, side) for side in parties.sides]
+    if len(compared) == 1:
+        (matches,), step = compared, 2 if free == 1 else 1
+        compared = [matches[begin : begin + step] for begin in range(0, len(matches), step)]
+    shares = [_share(matches) for matches in compared]
+    return sum(shares) / len(shares)
 
 
 def _share(matches: Sequence[SideMatch]) -> float:
@@ -96,7 +69,6 @@ class Comparison:
     decision: Decision | None
     """Decision of the test; None if the blocks ran out first."""
     blocks: int
-    """Number of blocks that the test needed."""
     matches: int
     share: Estimate
     """A's share against B, in [0, 1]. As the test stops at an extreme, it lies on average a little beyond the truth."""
@@ -121,20 +93,28 @@ def compare(
     The entrants are the two to compare, then their field; without `quotas` all are trusted. The blocks are given to the
     test in the order of the plan, so the result does not depend on `jobs`. MAX_FORFEITS forfeits in a row exclude an
     entrant. `progress` is called with (matches played, largest possible number of matches) after each block.
-
-    Raises:
-        ConfigError: for a field that does not fit the scenario's seats.
     """
-    design = ComparisonDesign(Parties.of(config), len(entrants) - _FIELD)
-    plan = round_robin(design.parties.group, design.parties, max_blocks, Secret.of(seed).part("compare"))
-    most = plan.size * (2 if design.in_turn else 1)
+    parties, field = Parties.of(config), len(entrants) - _FIELD
+    group = parties.group
+    fitting = [size for size in range(group) if size == group - 1 or (group - size) % 2 == 0]
+    if field not in fitting:
+        raise ConfigError(
+            f"the field (--against) must be of {' or '.join(map(str, fitting))} agents, got {field}: a block "
+            f"has {group} players, and A and B share what the field leaves free, or play it in turn"
+        )
+    if group < 2:
+        raise ConfigError(f"the scenario must be for at least 2 agents, got {group}")
+    free = group - field
+    plan = round_robin(group, parties, max_blocks, Secret.of(seed).part("compare"))
+    most = plan.size * (2 if free == 1 else 1)
     shares_of_a: list[float] = []
     matches = 0
     forfeits: dict[str, Counter[str]] = {}
     with local_executor(Worker(config, tuple(entrants), quotas=quotas), jobs) as executor:
-        for block in play_blocks(map(design.block, plan.blocks()), executor, ForfeitStreaks(MAX_FORFEITS)):
+        blocks = (comparison_block(block, free) for block in plan.blocks())
+        for block in play_blocks(blocks, executor, ForfeitStreaks(MAX_FORFEITS)):
             played = [one for one, _ in block]
-            shares_of_a.append(design.share_of_a(played))
+            shares_of_a.append(share_of_a(played, parties, free))
             test.add(shares_of_a[-1])
             for one in played:
                 for index, forfeit in zip(one.match.seating, one.result.forfeits, strict=True):

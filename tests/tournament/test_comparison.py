@@ -9,7 +9,7 @@ from tournament.played_matches import made_up
 from tournament.seats import hunters
 
 from catch_arena import scenario
-from catch_arena.tournament.comparison import ComparisonDesign, compare
+from catch_arena.tournament.comparison import compare, comparison_block, share_of_a
 from catch_arena.tournament.plans.schedule import round_robin
 from catch_arena.tournament.players import enter
 from catch_arena.tournament.statistics.sprt import Sprt
@@ -20,7 +20,7 @@ QUICK = ["--set", "time_limit_s=5", "--jobs", "1"]
 @pytest.mark.parametrize(("seats", "field"), [(2, 0), (4, 0), (4, 2)])
 def test_both_sit_in_every_seat_equally_often(seats, field):
     """Against each other, and next to a field."""
-    block = ComparisonDesign(hunters(seats), field).block(round_robin(seats, hunters(seats), 1, 0))
+    block = comparison_block(round_robin(seats, hunters(seats), 1, 0), seats - field)
     sat = [(place, seat) for match in block for seat, place in enumerate(match.seating)]
     often = {sat.count((place, seat)) for place in (0, 1) for seat in range(seats)}
     assert often == {len(block) * (seats - field) // 2 // seats}
@@ -28,7 +28,7 @@ def test_both_sit_in_every_seat_equally_often(seats, field):
 
 
 def test_against_a_full_field_they_take_turns_in_the_same_seats_on_the_same_targets():
-    block = ComparisonDesign(hunters(4), 3).block(round_robin(4, hunters(4), 1, 0))
+    block = comparison_block(round_robin(4, hunters(4), 1, 0), 1)
     assert len(block) == 8
     for mine, theirs in zip(block[::2], block[1::2], strict=True):
         assert mine.seed == theirs.seed
@@ -41,9 +41,9 @@ def test_a_blocks_outcome_by_hand():
         return [made_up(0, seating, (), turn, ranks=ranks) for turn, (seating, ranks) in enumerate(matches)]
 
     together = block(((0, 1, 2), (1, 2, 3)), ((2, 0, 1), (1, 2, 2)), ((1, 2, 0), (1, 2, 3)))
-    assert ComparisonDesign(hunters(3), 1).share_of_a(together) == (1 + 0.5 + 0) / 3
+    assert share_of_a(together, hunters(3), 2) == (1 + 0.5 + 0) / 3
     in_turn = block(((0, 2, 3), (1, 2, 3)), ((1, 2, 3), (2, 1, 3)), ((2, 0, 3), (1, 2, 3)), ((2, 1, 3), (1, 2, 3)))
-    assert ComparisonDesign(hunters(3), 2).share_of_a(in_turn) == (1 + 0.5) / 2
+    assert share_of_a(in_turn, hunters(3), 1) == (1 + 0.5) / 2
 
 
 def test_the_decision_does_not_depend_on_the_number_of_processes():
