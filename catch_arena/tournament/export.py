@@ -55,15 +55,18 @@ _BY_PARTY: Final[dict[str, type]] = {
 }
 _VERSIONS: Final[dict[str, type]] = dict.fromkeys(("catch_arena", "python", "numpy", "numba"), str)
 _TIMING: Final[dict[str, type]] = {"moves": int, "total_s": float, "longest_s": float}
+_STANDING: Final = (
+    *("place", "agent", "group", "matches", "rating", "score", "iqm", "win_share"),
+    *("mean_rank", "contests_lost", "contest_wins", "lost_to_mates", "refused", "forfeits"),
+)
 _ROWS: Final = 20_000
 """Number of rows of a Parquet file that are held in memory at a time."""
 
 
 def export(store: Store, path: Path, *, timing: bool = True) -> None:
-    """Write all played matches to a .jsonl, .csv or .parquet file; `timing` adds times, which no other run repeats.
+    """Write all played matches to a .jsonl, .csv or .parquet file, or raise ConfigError for another ending.
 
-    Raises:
-        ConfigError: for another ending, or one whose format needs a package that is not installed.
+    `timing` adds times, which no other run repeats.
     """
     writers = {".jsonl": _write_jsonl, ".csv": _write_csv, ".parquet": _write_parquet}
     require_choice("the ending of the file", path.suffix.lower(), list(writers))
@@ -158,10 +161,7 @@ def _write_parquet(store: Store, file: IO[bytes], timing: bool) -> None:
 def write_standings(
     folder: Path, tournament: Tournament, matches: int, tables: Mapping[Side, Sequence[Standing]]
 ) -> None:
-    """Write the standings files of a tournament that has ended; they contain its seed.
-
-    Each file is written whole or not at all. Files of these names are replaced, others stay.
-    """
+    """Write the standings files of a tournament that has ended; they contain its seed, and replace older ones."""
     for side, table in tables.items():
         write_whole(folder / TABLES[side], table_text(table).encode())
     write_whole(folder / SUMMARY, summary_text(tournament, matches, tables).encode())
@@ -177,7 +177,6 @@ def table_text(table: Sequence[Standing]) -> str:
 
 def summary_text(tournament: Tournament, matches: int, tables: Mapping[Side, Sequence[Standing]]) -> str:
     """Return as JSON the standings, and the seed, plan and settings for playing the tournament again."""
-    names: dict[Side, str] = {"hunter": "standings", "prey": "prey_standings"}
     summary = {
         "ruleset": RULESET,
         "plan": dict(tournament.plan),
@@ -186,7 +185,7 @@ def summary_text(tournament: Tournament, matches: int, tables: Mapping[Side, Seq
         "config_digest": tournament.config.digest,
         "config": tournament.config.to_dict(),
         "entrants": [_entrant_columns(entrant, with_prey="prey" in tables) for entrant in tournament.entrants],
-        **{names[side]: [_whole(standing) for standing in table] for side, table in tables.items()},
+        **{Path(TABLES[side]).stem: [_whole(standing) for standing in table] for side, table in tables.items()},
     }
     return json.dumps(summary, indent=2) + "\n"
 
@@ -203,21 +202,13 @@ def _whole(standing: Standing) -> dict[str, Any]:
 
 def _flat(standing: Standing) -> dict[str, Any]:
     """Return a line of the table: an interval has two columns, and refusals and forfeits are sums."""
-    row: dict[str, Any] = {
-        "place": standing.place,
-        "agent": standing.name,
-        "group": standing.group,
-        "matches": standing.matches,
-    }
-    for name in ("rating", "score", "iqm", "win_share"):
-        estimate: Estimate = getattr(standing, name)
-        row |= {name: estimate.mean, f"{name}_low": estimate.low, f"{name}_high": estimate.high}
-    row |= {
-        "mean_rank": standing.mean_rank,
-        "contests_lost": standing.contests_lost,
-        "contest_wins": standing.contest_win_share,
-        "lost_to_mates": standing.lost_to_mates,
-        "refused": standing.refused,
-        "forfeits": sum(standing.forfeits.values()),
-    }
-    return {name: rounded(value) if isinstance(value, float) else value for name, value in row.items()}
+    forfeits = sum(standing.forfeits.values())
+    renamed = {"agent": standing.name, "contest_wins": standing.contest_win_share, "forfeits": forfeits}
+    row: dict[str, Any] = {}
+    for name in _STANDING:
+        value = renamed[name] if name in renamed else getattr(standing, name)
+        if isinstance(value, Estimate):
+            row |= {name: rounded(value.mean), f"{name}_low": rounded(value.low), f"{name}_high": rounded(value.high)}
+        else:
+            row[name] = rounded(value) if isinstance(value, float) else value
+    return row
