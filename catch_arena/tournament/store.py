@@ -84,12 +84,10 @@ def terms_of(quotas: Quotas | None, max_forfeits: int, *, recorded: bool) -> dic
 class Store:
     """Store of one tournament's matches; `begin` and `read` open it for the time of a `with` statement.
 
-    Raises:
-        StoreError: if SQLite reports an error, or the file is missing or damaged; this holds for all methods.
+    All methods raise StoreError if SQLite reports an error, or the file is missing or damaged.
     """
 
     def __init__(self, path: Path, *, writable: bool) -> None:
-        """Open the file; see `begin` and `read`."""
         self.path = path
         name = path.absolute().as_uri()
         if not writable:
@@ -104,16 +102,15 @@ class Store:
     def begin(cls, tournament: Tournament, folder: Path, *, resume: bool = False) -> "Iterator[Self]":
         """Open the store for playing a tournament; other commands cannot play in its folder meanwhile.
 
-        Raises:
-            StoreError: if the folder's store has matches and is not to be resumed, or another command plays in it.
-            OtherTournamentError: if the folder's store is of another tournament.
+        It raises StoreError if the folder's store has matches and is not to be resumed, or if another command plays in
+        it; OtherTournamentError if the store is of another tournament.
         """
         path = folder / STORE
         if not path.exists():
             with suppress(OSError):  # SQLite reports the error below
                 path.touch(0o600)  # the file has the seeds of future matches
         store = cls(path, writable=True)
-        with closing(store), only_one_plays_in(folder):
+        with closing(store._db), only_one_plays_in(folder):
             store._begin(tournament, resume=resume)
             yield store
 
@@ -125,7 +122,7 @@ class Store:
         if not path.is_file():
             raise StoreError(f"{folder}: holds no tournament (a file {STORE})")
         store = cls(path, writable=False)
-        with closing(store):
+        with closing(store._db):
             if not store._has_tables():
                 raise StoreError(f"{folder}: holds a tournament that has not begun")
             yield store
@@ -137,7 +134,7 @@ class Store:
         if not path.is_file():
             return None
         store = cls(path, writable=False)
-        with closing(store):
+        with closing(store._db):
             return store.tournament if store._has_tables() else None
 
     @property
@@ -212,10 +209,6 @@ class Store:
     def count_planned(self) -> int:
         """Return the number of planned matches; that of played ones if no number is written, as in a league."""
         return self._planned() or self.count_played()
-
-    def close(self) -> None:
-        """Close the file."""
-        self._db.close()
 
     def _begin(self, tournament: Tournament, *, resume: bool) -> None:
         begun = self._has_tables()  # before any change: the file may not be ours

@@ -42,7 +42,7 @@ def begin(folder, facts=FACTS, *, resume=False):
         store.set_planned(PLAN.size)
 
 
-def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, played):
+def test_what_was_kept_is_read_back_as_it_was_with_the_times(tmp_path, played):
     strange = dataclasses.replace(
         played[0].result,
         verdicts=({"GRANTED": 3}, {}),
@@ -50,9 +50,9 @@ def test_what_was_kept_is_read_back_as_it_was_with_the_times(store, tmp_path, pl
         forfeits=(None, Forfeit("FORFEIT_CRASH", 17, "it fell")),
     )
     kept = [PlayedMatch(played[0].match, strange, "00ff"), *played[1:]]
-    for one in kept[::-1]:
-        store.add([one])
-    store.close()
+    with Store.begin(FACTS, tmp_path) as store:
+        for one in kept[::-1]:
+            store.add([one])
     with Store.read(tmp_path) as again:
         assert list(again.played()) == kept
         result = next(again.played()).result
