@@ -41,11 +41,9 @@ class Players(AbstractContextManager["Players"]):
     is no sandbox, play in this process, one after the other: one that raises harms only itself, but nothing limits its
     time, memory or access. All others play in their own processes, and are asked at the same time.
 
-    Args:
-        seated: by seat, an instance for this match, or an entrant; the control of prey is ignored.
-        absent: faults of the seats that are not started, by seat.
-        while_waiting: called repeatedly while isolated agents think, to draw a window; no agent pays for the time that
-            it takes. If it raises, the agents that have not answered are dropped.
+    `seated` has by seat an instance for this match, or an entrant; the control of prey is ignored. `absent` has the
+    faults of the seats that are not started. `while_waiting` is called repeatedly while isolated agents think, to draw
+    a window; no agent pays for the time that it takes. If it raises, the agents that have not answered are dropped.
     """
 
     def __init__(
@@ -55,8 +53,7 @@ class Players(AbstractContextManager["Players"]):
         absent: Mapping[int, Fault] = MappingProxyType({}),
         while_waiting: Callable[[], None] | None = None,
     ) -> None:
-        self.controls: dict[int, Control] = {}
-        """Control of each seat."""
+        self.controls: dict[int, Control] = {}  # by seat
         self._policies: dict[int, Policy | PreyPolicy] = {}
         self._isolated: dict[int, Entrant] = {}
         self._absent = dict(absent)
@@ -92,10 +89,8 @@ class Players(AbstractContextManager["Players"]):
     def reset(self, seeds: Sequence[int], limits: Sequence[AnyLimits]) -> dict[int, Fault]:
         """Begin a match, with a seed for each seat, and return the faults of seats that cannot play, by seat.
 
-        All time and faults before the first view count as init.
-
-        Raises:
-            MatchFailedError: here and in `act`, if the match failed on our side.
+        All time and faults before the first view count as init. A match that failed on our side raises
+        MatchFailedError, also in `act`.
         """
         self._limits = limits
         for seat, policy in self._policies.items():
@@ -165,7 +160,7 @@ class Players(AbstractContextManager["Players"]):
         self._sandbox.clear()  # processes of an earlier match of these players
         for seat, entrant in self._isolated.items():
             self._processes[seat] = self._sandbox.start(entrant.spec)
-        lines = {seat: protocol.hello_line(entrant.side) for seat, entrant in self._isolated.items()}
+        lines = {seat: protocol.line(hello=protocol.VERSION, side=one.side) for seat, one in self._isolated.items()}
         return self._exchange(lines, dict.fromkeys(lines, self._quotas.init_s), "init")
 
     def _isolated_moves(self, observations: Mapping[int, Observation]) -> dict[int, Move]:

@@ -30,8 +30,6 @@ _OPTIONS: Final = (
     *("--uid", f"{_UNPRIVILEGED_ID}", "--gid", f"{_UNPRIVILEGED_ID}", "--hostname", "arena"),
     *("--disable-userns", "--cap-drop", "ALL", "--new-session", "--die-with-parent"),
 )
-_KERNEL_SETTINGS: Final = ("--ro-bind-try", "/proc/sys", "/proc/sys")
-"""Words that make the kernel's settings read-only: if root runs the command, they belong to the agent's user."""
 _SYSTEM: Final = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store", "/gnu/store")
 _SETTINGS: Final = (
     *("alternatives", "fonts", "java*", "jvm*", "ld.so.cache", "ld.so.conf", "ld.so.conf.d", "localtime", "magic"),
@@ -45,19 +43,13 @@ _INSTALLED: Final = {"site-packages", "dist-packages"}
 
 
 def available_level(required: Level | None = None) -> Level:
-    """Return the required level of isolation, or for None the best one that works on this machine.
-
-    Raises:
-        ConfigError: if the required level does not work here.
-    """
+    """Return the required level of isolation, or raise ConfigError; for None return the best level of this machine."""
     if required == "processes":
         return required
     why = namespaces_fault()
-    if why is None:
-        return "namespaces"
-    if required is None:
-        return "processes"
-    raise ConfigError(f"isolation namespaces cannot be held here: {why}")
+    if why is not None and required is not None:
+        raise ConfigError(f"isolation namespaces cannot be held here: {why}")
+    return "namespaces" if why is None else "processes"
 
 
 def level_line(level: Level) -> str:
@@ -75,8 +67,9 @@ def bubblewrap_command(visible: Iterable[Path], writable_bytes: int) -> list[str
     TEMPORARY and SHARED, up to a size for each.
     """
     size = ["--size", str(writable_bytes), "--tmpfs"]
-    words = [shutil.which(_PROGRAM) or _PROGRAM, *_OPTIONS, "--proc", "/proc", *_KERNEL_SETTINGS, "--dev", "/dev"]
-    words += [*size, str(SHARED), "--remount-ro", "/dev", *size, str(TEMPORARY)]
+    words = [shutil.which(_PROGRAM) or _PROGRAM, *_OPTIONS, "--proc", "/proc"]
+    words += ["--ro-bind-try", "/proc/sys", "/proc/sys"]  # if root runs the command, they belong to the agent's user
+    words += ["--dev", "/dev", *size, str(SHARED), "--remount-ro", "/dev", *size, str(TEMPORARY)]
     paths = set(visible)
     shown = {path for path in paths if paths.isdisjoint(path.parents)}
     closed = {path.parent for path in shown if TEMPORARY in path.parent.parents}

@@ -8,7 +8,7 @@ from typing import Any, Final
 import msgspec
 
 from catch_arena.plain import as_python, plain_action
-from catch_arena.policy import AnyLimits, Limits, PreyLimits, Side
+from catch_arena.policy import AnyLimits, Limits, PreyLimits
 
 VERSION: Final = 1
 STARTED: Final = b'{"started":true}\n'
@@ -22,11 +22,6 @@ PART: Final = 65536
 def line(**message: Any) -> bytes:
     """Return a message as one line."""
     return json.dumps(message, separators=(",", ":")).encode() + b"\n"
-
-
-def hello_line(side: Side) -> bytes:
-    """Return the greeting, which asks an agent for its control and other facts."""
-    return line(hello=VERSION, side=side)
 
 
 def reset_line(seed: int, limits: AnyLimits) -> bytes:
@@ -56,11 +51,9 @@ def action_line(action: object) -> bytes:
 
 
 def read_json(content: bytes) -> Any:
-    """Return the value in a line.
+    """Return the value in a line; NaN, infinities and lone surrogates are read as Python writes them.
 
-    Raises:
-        ValueError, RecursionError: if it is not JSON. NaN, infinities and lone surrogates are read as Python writes
-            them.
+    A line that is not JSON raises ValueError or RecursionError.
     """
     try:
         return msgspec.json.decode(content)

@@ -23,9 +23,7 @@ from catch_arena.tournament.loading import module_folders
 from catch_arena.tournament.match import Fault
 
 ENDED: Final = Fault("FORFEIT_CRASH", "it closed its answers")
-"""Fault of an agent that closed its answers, mostly because its process has ended; `AgentProcess.read` returns this
-object.
-"""
+"""Result of `AgentProcess.read` if the agent closed its answers, mostly because its process has ended."""
 _MOST_WAITING: Final = 16
 """Largest number of processes that wait for a next match; each holds its agent's modules in memory."""
 _END_S: Final = 2.0
@@ -83,18 +81,12 @@ class Log:
 
 
 class AgentProcess:
-    """Process of one agent (agent_program.py), with its pipes; it plays one match after the other.
-
-    Raises:
-        ConfigError: on Windows.
-        MatchFailedError: if the process cannot be started.
-    """
+    """Process of one agent (agent_program.py), with its pipes; it plays one match after the other."""
 
     def __init__(self, spec: str, quotas: Quotas) -> None:
         if not hasattr(os, "fork"):
             raise ConfigError(f"{spec}: agents are isolated on Linux and macOS only: give --trusted, or use WSL")
         self.spec = spec
-        self._serves_many_matches = command_of(spec) is None  # a command ends with its first match
         self.started = False
         """True after the process has begun to run the agent's code."""
         self._quotas = quotas
@@ -187,7 +179,7 @@ class AgentProcess:
 
     def finish(self) -> bool:
         """End the current match, and return whether the process can play another one."""
-        if not self._serves_many_matches or not self.write(protocol.END):
+        if command_of(self.spec) is not None or not self.write(protocol.END):  # a command ends with its first match
             return False
         line: bytes | Fault | None = None
         deadline = time.monotonic() + _END_S
@@ -228,8 +220,7 @@ class AgentProcess:
 class Sandbox(AbstractContextManager["Sandbox"]):
     """Sandbox: the isolated agents of one process, for one match at a time. Use it as a context manager, or `close` it.
 
-    Raises:
-        ConfigError: for a level that this machine does not have.
+    A level of isolation that this machine does not have raises ConfigError.
     """
 
     def __init__(self, quotas: Quotas) -> None:
