@@ -25,8 +25,6 @@ from catch_arena.verdicts import NO_REQUEST, Verdict
 
 _HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full": {"cmd_vel": (0.0, 0.0), "catch": 0}}
 """Action that is played for a seat without one, by control."""
-_Infos = dict[str, dict[str, Any]]
-"""Infos of a step, by agent."""
 
 
 class MatchStopped(Exception):  # noqa: N818 - no error: a request
@@ -46,10 +44,8 @@ def play_entrants(
     """Play one match of these entrants, by party (parties.py), and return its result.
 
     `absent` has the reasons for which parties are not started. Without a sandbox all agents are trusted. If there are
-    no agent seeds, one for each party, they follow from `seed`. Further options are those of `play_match`.
-
-    Raises:
-        MatchFailedError: for a match that failed on our side.
+    no agent seeds, one for each party, they follow from `seed`. Further options are those of `play_match`. A match that
+    failed on our side raises MatchFailedError.
     """
     parties = Parties.of(config)
     seated = in_seats(config, entrants)
@@ -75,26 +71,15 @@ def play_match(
     on_forfeit: Callable[[int, Forfeit], None] = lambda *_: None,
     most_steps: int | None = None,
 ) -> MatchResult:
-    """Play one match to its end, and return its result.
+    """Play one match to its end, or for `most_steps` steps, and return its result.
 
-    An agent that fails forfeits and is withdrawn (R1.6), with its team (R11.1); all others play on. Seats count the
-    hunters first, and then the prey.
+    An agent that fails forfeits and is withdrawn (R1.6), with its team (R11.1); all others play on. `players`, new for
+    this match, `names` and `agent_seeds` are by seat, the hunters first; policies are trusted, and play in this
+    process. The players' controls replace that of `config`. Without agent seeds they follow from `seed`.
 
-    Args:
-        config: the arena's settings; the players' controls replace its `control`.
-        seed: seed of the arena.
-        players: new for this match, by seat; policies are trusted, and play in this process.
-        names: the agents' names by seat.
-        agent_seeds: seed of each agent, by seat; if empty, these seeds follow from `seed`.
-        title: title of the replay.
-        record: file or buffer that the replay is written to; None records nothing.
-        colors: number of each hunter's colour in the replay, by seat; by default colours go by seat.
-        watch: called after the reset and after every step; if it raises MatchStopped, the result so far is returned.
-        on_forfeit: called with (seat, forfeit) for each seat of a party that fails.
-        most_steps: number of steps after which the match is stopped; None plays to the end.
-
-    Raises:
-        OutputError: for a replay that cannot be written.
+    The replay is written to `record`, with its `title` and the numbers of the hunters' colours, by default their seats.
+    `watch` is called after the reset and after every step; if it raises MatchStopped, the result so far is returned.
+    `on_forfeit` is called with (seat, forfeit) for each seat of a party that fails.
     """
     if isinstance(players, Sequence):
         players = Players(players)
@@ -193,7 +178,7 @@ class _RunningMatch:
                 self._env.withdraw(self._agents[mate])
                 self._players.drop(mate)
 
-    def play_step(self, observations: dict[str, Any], infos: _Infos) -> tuple[dict[str, Any], _Infos]:
+    def play_step(self, observations: dict[str, Any], infos: dict[str, Any]) -> tuple[dict[str, Any], dict[str, Any]]:
         """Ask all remaining players for their actions, step the env, and return its observations and infos."""
         self.step += 1
         shown = {seat: _observation(observations[agent], infos[agent]) for seat, agent in self._playing.items()}
@@ -208,7 +193,7 @@ class _RunningMatch:
         return observations, infos
 
     def result(self) -> MatchResult:
-        """Return the result of the match."""
+        """Return the result of the steps so far."""
         world = self._env.world()
         catches = [*(hunter.score for hunter in world.hunters), *(prey.times_caught for prey in world.prey)]
         parties = self._parties
@@ -251,7 +236,7 @@ class _RunningMatch:
                 self._actions[agent] = action
         return faults
 
-    def _count(self, infos: _Infos) -> None:
+    def _count(self, infos: dict[str, Any]) -> None:
         """Count the verdicts and contests of a step: each contest has one winner, and a party wins or loses it once."""
         contests: dict[int, set[_Party]] = {}  # the parties that lost to each seat
         for agent, info in infos.items():

@@ -110,10 +110,8 @@ class ForfeitStreaks:
 def play_blocks(blocks: Iterable[Block], executor: Executor, streaks: ForfeitStreaks) -> Iterator[list[RecordedMatch]]:
     """Play blocks in parallel, and yield the matches of each in the order of the blocks, which is that of the plan.
 
-    A block is played again if the forfeits in an earlier one exclude one of its entrants.
-
-    Raises:
-        MatchFailedError: for a block that failed on our side three times.
+    A block is played again if the forfeits in an earlier one exclude one of its entrants. One that failed on our side
+    three times raises MatchFailedError.
     """
     excluded: dict[Block, Mapping[int, Fault]] = {}  # when each block was begun
 

@@ -22,9 +22,6 @@ class RayExecutor(Executor):
     """Executor with Ray's workers, one core each: `jobs` workers on this machine, or all cores of a cluster.
 
     The address of a running cluster is as `ray start --head` prints it, or "auto" on one of its machines.
-
-    Raises:
-        ConfigError: if Ray is missing or does not answer.
     """
 
     def __init__(self, worker: Worker, jobs: int, address: str | None = None) -> None:
@@ -63,11 +60,9 @@ class RayExecutor(Executor):
         return future
 
     def result(self, future: Future[_Result]) -> _Result:
-        """Return the result of submitted work.
+        """Return the result of submitted work; raise MatchFailedError if it failed on our side, or a worker was lost.
 
-        Raises:
-            MatchFailedError: if the work failed on our side, or a Ray worker was lost.
-            CatchArenaError: if the worker's machine has other agents or versions.
+        Other agents or versions on the worker's machine raise another CatchArenaError.
         """
         try:
             return future.result()

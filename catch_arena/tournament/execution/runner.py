@@ -50,11 +50,7 @@ class Setup:
         return Tournament(worker.config, worker.entrants, self.plan.parameters, self.secret.text, terms)
 
     def begin(self, *, resume: bool) -> AbstractContextManager[Store]:
-        """Make the folder and open its store; without `resume` the store must not have matches yet.
-
-        Raises:
-            ConfigError: if the folder lies in that of an agent.
-        """
+        """Make the folder, not in that of an agent, and open its store; without `resume` it must not have matches."""
         for entrant in self.worker.entrants:
             own = folder_of(entrant.spec)
             if own is not None and self.folder.resolve().is_relative_to(own.resolve()):
@@ -89,11 +85,8 @@ def play_plan(
     continues after them if it was interrupted; no process is left. `progress` is called with (matches played, matches
     of the plan) at the beginning and after each block.
 
-    Raises:
-        MatchFailedError: for a block that failed on our side three times.
-        AgentError: for an agent that another machine does not have.
-        OutputError: for logs and replays that cannot be written.
-        StoreError: for results that cannot be written, and for stored matches that are not those of the plan.
+    A block that failed on our side three times raises MatchFailedError, and stored matches that are not those of the
+    plan raise StoreError.
     """
     streaks = ForfeitStreaks(max_forfeits)
     before = list(store.played())

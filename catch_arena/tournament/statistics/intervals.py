@@ -59,11 +59,8 @@ def estimates(
 ) -> list[Estimate]:
     """Return the intervals of figures that are means over blocks.
 
-    Args:
-        means: (figures,).
-        residuals: (blocks, figures), the sums of value minus mean in each block.
-        counts: (blocks, figures), the number of values in each block.
-        pseudo_variance: variance of the figures that is added to that of the blocks.
+    `residuals` are the sums of value minus mean in each block, (blocks, figures), as are `counts`, the numbers of
+    values. `pseudo_variance` is added to the variance of the blocks.
     """
     blocks = (counts > 0).sum(axis=0).astype(np.float64)
     with np.errstate(invalid="ignore", divide="ignore"):

@@ -124,14 +124,9 @@ def local_estimates(outcomes: Outcomes, entrants: Sequence[int]) -> list[Estimat
 
 
 def fit(wins: Floats, ties: Floats) -> tuple[Floats, float, Floats]:
-    """Maximise the concave log-likelihood by Newton's method.
+    """Maximise the concave log-likelihood by Newton's method, for the tables of `Pairs`.
 
-    Args:
-        wins: (entrants, entrants): wins[i, j] is the number of times that i ranked above j.
-        ties: (entrants, entrants), the numbers of ties; symmetric.
-
-    Returns:
-        The log strengths, log v, and the information matrix, in which v is last.
+    Return the log strengths, log v, and the information matrix, in which v is last.
     """
     size = len(wins)
     met = wins + wins.T + ties
