@@ -20,9 +20,7 @@ from catch_arena.errors import AgentError, suggest
 from catch_arena.text import composed
 
 COMMAND: Final = "cmd:"
-"""Prefix of the spec of a command."""
 SHIPPED: Final = "catch_arena.agents"
-"""Package of the agents that come with Catch Arena."""
 LADDER: Final = "ladder."
 """Prefix of the names of frozen learned agents, which are in the package `catch_arena.agents.ladder`."""
 IN_FOLDER: Final = "agent.py"
@@ -30,7 +28,6 @@ IN_FOLDER: Final = "agent.py"
 TEMPORARY: Final = Path("/tmp")  # noqa: S108
 """Folder of temporary files; an agent in namespaces has one of its own in its place."""
 _ELSE: Final = f"a .py file, a folder with {IN_FOLDER}, package.module:Class, or {COMMAND}COMMAND"
-"""Agents besides the shipped ones, in words for an error."""
 _WEIGHTS: Final = (".npz", ".npy", ".safetensors", ".onnx", ".pt", ".pth")
 _LARGEST_SOURCE: Final = 1 << 26
 """Largest part of a file that is read [bytes]."""

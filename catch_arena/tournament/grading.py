@@ -41,9 +41,7 @@ class TestGrade:
     failures: tuple[str, ...]
     """Failures in words, each with the bound that was missed."""
     hints: tuple[str, ...]
-    """Pages and commands that help."""
     figures: Mapping[str, Any]
-    """Figures, for `--json`."""
     measured: str
     """Figures in words."""
     log: str = ""
@@ -69,7 +67,6 @@ class GradedMatch(NamedTuple):
     """Party of the graded agent."""
     result: MatchResult
     replay: bytes
-    """Content of the replay's file."""
 
 
 def enter_opponents(spec: GradingSpec, sandbox: Sandbox | None) -> list[tuple[Entrant, ...]]:

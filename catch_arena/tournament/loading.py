@@ -66,10 +66,7 @@ def create_policy(spec: str, side: Side = "hunter") -> Policy | PreyPolicy:
 
 
 def sources_and_prey(spec: str) -> tuple[tuple[str, ...], bool]:
-    """Return the files of an agent in Python, and whether it plays prey itself; no instance is made.
-
-    Its files are the file of its module, and the files that define its classes.
-    """
+    """Return the files of an agent's module and of its classes, and whether it plays prey itself."""
     module = agent_module(spec)
     homes = [getattr(one, "__module__", None) for one in (agent_class(spec), getattr(module, _PREY, None))]
     modules = [module, *(sys.modules.get(home) for home in homes if isinstance(home, str))]
@@ -114,10 +111,7 @@ def load_module(name: str) -> ModuleType:
 
 
 def load_file(path: Path, folder: Path | None = None) -> ModuleType:
-    """Return the module in a .py file, or raise AgentError if its import raises anything.
-
-    It can import further modules from `folder`, if there is one.
-    """
+    """Return the module in a .py file, which can import others from `folder`; raise AgentError if its import raises."""
     name = f"{_FILE_MODULE}{hashlib.blake2b(str(path).encode(), digest_size=8).hexdigest()}"
     spec = importlib.util.spec_from_file_location(name, path)
     if spec is None or spec.loader is None:
@@ -141,10 +135,7 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
 
 @contextmanager
 def _process_restored() -> Iterator[None]:
-    """Search modules in `module_folders` only, and restore the process after the import of a stranger's module.
-
-    The working folder, the standard streams and `sys.path` are restored.
-    """
+    """Search modules in `module_folders` only; then restore the working folder, the standard streams and `sys.path`."""
     path, folder = sys.path[:], Path.cwd()
     streams = sys.stdin, sys.stdout, sys.stderr
     sys.path[:] = module_folders()
@@ -192,10 +183,7 @@ class _OwnModules(AbstractContextManager[None]):
 
 
 _OWN: Final[dict[Path, _OwnModules]] = {}
-"""Contexts of the agents in folders that play in this process, by folder.
-
-In an agent's own process the folder is in `sys.path`, and needs none.
-"""
+"""Contexts of agents that play in this process, by folder; in an agent's own process `sys.path` has the folder."""
 
 
 class _InFolder:

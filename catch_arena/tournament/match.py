@@ -50,7 +50,6 @@ class Fault:
 
     code: ForfeitCode
     reason: str
-    """Reason in one line."""
     late: bool = False
     """True if the seat was too slow."""
 
@@ -125,13 +124,9 @@ class MatchResult:
     forfeits: tuple[Forfeit | None, ...]
     """Failure of each party; None if it did not fail."""
     thinking: tuple[MoveTimes, ...] = field(compare=False)
-    """Times of moves. Another run of the match does not repeat them, nor `logs`. Stores and exports use
-    this name.
-    """
+    """Times of moves; another run of the match does not repeat them, nor `logs`. Stores and exports use this name."""
     logs: tuple[str, ...] = field(default=(), compare=False)
-    """Output of isolated agents up to a limit, tracebacks included, with control characters as escapes. A store does
-    not keep it.
-    """
+    """Output of isolated agents up to a limit, with control characters as escapes. A store does not keep it."""
     lost_to_mates: tuple[int, ...] = ()
     """Number of requests lost to a team-mate (R11.3); empty if no team has several hunters. Another run repeats it."""
     catches: tuple[int, ...] = ()

@@ -37,7 +37,6 @@ class Setup:
     folder: Path
     plan: Plan
     worker: Worker
-    """Player of the matches: it has the arena, the entrants and the quotas."""
     secret: Secret
     max_forfeits: int = MAX_FORFEITS
     """Number of forfeits in a row that exclude an entrant; 0 for no limit."""

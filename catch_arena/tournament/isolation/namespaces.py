@@ -23,11 +23,9 @@ from catch_arena.tournament.isolation.quotas import Level
 
 SHARED: Final = Path("/dev/shm")  # noqa: S108 - in a file system of its own, as TEMPORARY
 _PROGRAM: Final = "bwrap"
-_UNPRIVILEGED_ID: Final = 65534
-_PROBE_S: Final = 20.0
 _OPTIONS: Final = (
     *("--unshare-user", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"),
-    *("--uid", f"{_UNPRIVILEGED_ID}", "--gid", f"{_UNPRIVILEGED_ID}", "--hostname", "arena"),
+    *("--uid", "65534", "--gid", "65534", "--hostname", "arena"),  # the id of nobody
     *("--disable-userns", "--cap-drop", "ALL", "--new-session", "--die-with-parent"),
 )
 _SYSTEM: Final = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store", "/gnu/store")
@@ -39,7 +37,6 @@ _SETTINGS: Final = (
 """Files in /etc that programs read, without the machine's users, keys and names."""
 _ENVIRONMENT: Final = ("bin", "etc", "include", "lib", "lib64", "pyvenv.cfg", "share")
 """Files and folders of a virtual environment."""
-_INSTALLED: Final = {"site-packages", "dist-packages"}
 
 
 def available_level(required: Level | None = None) -> Level:
@@ -97,7 +94,7 @@ def _fault(program: str | None) -> str | None:
             stdin=subprocess.DEVNULL,
             capture_output=True,
             check=True,
-            timeout=_PROBE_S,
+            timeout=20.0,
         )
     except subprocess.TimeoutExpired:
         return f"{program} does not end"
@@ -118,17 +115,14 @@ def _runtime() -> Iterator[Path]:
         for folder in (Path(prefix), Path(prefix).resolve()):
             environment = (folder / "pyvenv.cfg").exists()  # other agents and a store may lie next to its folders
             yield from (folder / name for name in _ENVIRONMENT) if environment else (folder,)
-    yield from (path for path in map(Path, sys.path) if path.name in _INSTALLED)
+    yield from (path for path in map(Path, sys.path) if path.name in {"site-packages", "dist-packages"})
     yield from _links(Path(sys.executable))
     yield Path(catch_arena.__file__).parent
     yield from map(Path, catch_arena.agents.__path__)
 
 
 def visible_paths(spec: str) -> Iterator[Path]:
-    """Yield the files and folders that the agent of this spec sees: those of every agent, and its own.
-
-    Its own are a file with others of its stem, a folder, a package, or a command's files.
-    """
+    """Yield the files and folders that the agent of this spec sees: those of every agent, and its own."""
     yield from _runtime()
     if (words := command_of(spec)) is not None:
         yield from _command_paths(words)

@@ -30,7 +30,6 @@ _END_S: Final = 2.0
 """Time for a process to end a match, or to end itself [s]."""
 _PAUSE_S: Final = 0.002
 _KIB: Final = 1024
-_MOST_CODES: Final = 256
 _ENDED_BY_SIGNAL: Final = 128
 """Exit code of bubblewrap, less the number of the signal, if a signal ended the program that it started."""
 _MAIN: Final = (
@@ -273,7 +272,7 @@ def sandbox_for(quotas: Quotas | None) -> AbstractContextManager[Sandbox | None]
 def exit_reason(code: Any, log: Log) -> str:
     """Return an exit code in words, and the last line of the log; a code below 0 is a signal."""
     how = ENDED.reason  # the agent may have written any code
-    if isinstance(code, int) and 0 <= code < _MOST_CODES:
+    if isinstance(code, int) and 0 <= code <= 255:
         how = f"its process exited with code {code}"
     elif isinstance(code, int) and -code in set(signal.Signals):
         name = signal.Signals(-code).name

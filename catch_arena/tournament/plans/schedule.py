@@ -66,20 +66,13 @@ def plan_of(
     """Return the plan of a format: each round has a block for each group of entrants, or for a balanced sample of them.
 
     A block has one seed, draws a circular order of its players, and plays every rotation of it: each player sits in
-    each seat once. All is drawn from `seed` alone; a plan with more rounds begins with the plan with fewer.
+    each seat once. In a gauntlet the first entrant is in every group. All is drawn from `seed` alone; a plan with more
+    rounds begins with the plan with fewer. None as `rounds` stands for the fewest in which each entrant plays ten
+    blocks, so that its figures have intervals.
 
-    Args:
-        wanted: one of FORMATS; in a gauntlet the first entrant is in every group.
-        entrants: number of entrants.
-        parties: the parties of the arena.
-        rounds: None for the fewest in which each entrant plays ten blocks, so that its figures have intervals.
-        seed: source of all draws; an integer in [0, 2^64) can be guessed.
-        most: largest number of matches in a round. If all groups need more, a sample is played, in which all play
-            equally often: at most as many groups as give as many meetings as there are pairs, and at least one sweep
-            (balanced_groups.py). None for such a sample, whole, instead of more than MOST_IN_A_ROUND matches.
-
-    Raises:
-        ConfigError: for an unknown format, a number of rounds out of range, too few entrants or too many matches.
+    If all groups need more than `most` matches in a round, a sample is played, in which all play equally often: at most
+    as many groups as give as many meetings as there are pairs, and at least one sweep (balanced_groups.py). None stands
+    for such a sample, whole, instead of more than MOST_IN_A_ROUND matches.
     """
     require_choice("format", wanted, FORMATS)
     if entrants < parties.group:
@@ -126,10 +119,7 @@ def round_robin(entrants: int, parties: Parties, rounds: int, seed: Secret | int
 
 
 def block_of(players: Sequence[int], secret: Secret, number: int, name: str, parties: Parties) -> Block:
-    """Return the matches of block `number`, from 0: every seating of a drawn circle of these players.
-
-    The ids of the matches begin with `name`.
-    """
+    """Return the matches of block `number`: every seating of a drawn circle of players; `name` begins their ids."""
     circle = sorted(players, key=lambda player: secret.seed("seating", number, player))
     agent_seeds = {player: secret.seed("agent", number, player) for player in players}
     seatings = list(parties.seatings(circle))
@@ -150,10 +140,8 @@ class UntilSeparated(Plan):
     """Plan that ends after the first stage, of whole rounds, whose standings have a clear order.
 
     The number of matches is not one of its parameters: a resumed tournament may raise it. `plan` has the largest number
-    of rounds. The order is right with the probability `confidence`; with prey the order of each side must be clear.
-
-    Raises:
-        ConfigError: for a confidence outside [0.5, 1), or entrants that never meet.
+    of rounds. The order is right with the probability `confidence`, in [0.5, 1); with prey the order of each side must
+    be clear.
     """
 
     def __init__(self, plan: Plan, entrants: Sequence[Entrant], parties: Parties, confidence: float) -> None:

@@ -159,10 +159,7 @@ class Pairs:
         )
 
     def blocks_above(self) -> Floats:
-        """Return the number of blocks in which an entrant ranked above another more often than below.
-
-        The shape is (entrants, entrants): the row is the first entrant, the column the other.
-        """
+        """Return the number of blocks in which the row's entrant ranked above the column's more often than below."""
         size = self.entrants
         pair = np.minimum(self.first, self.second) * size + np.maximum(self.first, self.second)
         met, number = np.unique(self.block * size**2 + pair, return_inverse=True)
