@@ -25,7 +25,7 @@ SHARED: Final = Path("/dev/shm")  # noqa: S108 - in a file system of its own, as
 _PROGRAM: Final = "bwrap"
 _OPTIONS: Final = (
     *("--unshare-user", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"),
-    *("--uid", "65534", "--gid", "65534", "--hostname", "arena"),  # the id of nobody
+    *("--uid", "65534", "--gid", "65534", "--hostname", "arena"),  # the user called nobody
     *("--disable-userns", "--cap-drop", "ALL", "--new-session", "--die-with-parent"),
 )
 _SYSTEM: Final = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store", "/gnu/store")
