@@ -16,13 +16,6 @@ def whole_number(value: Any) -> int | None:
         return None
 
 
-def real_number(value: object) -> int | float | None:
-    """Return a `numbers.Real` as an int or a float; None for other values, including booleans."""
-    if isinstance(value, bool) or not isinstance(value, numbers.Real):
-        return None
-    return int(value) if isinstance(value, numbers.Integral) else float(value)
-
-
 def as_python(value: Any) -> Any:
     """Return a number, an array or a tensor as a Python number or nested lists; other values unchanged."""
     if value is None or type(value) in (int, float, bool, str):  # most settings, and most actions
@@ -34,10 +27,16 @@ def as_python(value: Any) -> Any:
             value = value.__array__().tolist()
     except Exception:  # noqa: BLE001 - foreign objects may raise anything
         return value
-    number: int | float | None = whole_number(value)
-    if number is None:
-        number = real_number(value)
+    number = whole_number(value)
+    if number is None and isinstance(value, numbers.Real) and not isinstance(value, bool):
+        return float(value)
     return value if number is None else number
+
+
+def real_number(value: object) -> int | float | None:
+    """Return a number that `as_python` knows; None for other values, including booleans."""
+    plain = as_python(value)
+    return plain if type(plain) in (int, float) else None
 
 
 def plain_setting(value: Any) -> Any:

@@ -16,7 +16,7 @@ from catch_arena.engine import Engine
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.errors import ActionError, ConfigError, EpisodeError, suggest
 from catch_arena.messages import CatchTurtleRequest, Pose, TurtleArray, Twist
-from catch_arena.plain import as_python, real_number
+from catch_arena.plain import real_number
 from catch_arena.replay import Recorder, Replay
 from catch_arena.replay.named_requests import RequestBudget
 from catch_arena.scenarios import scenario as arena_config
@@ -180,7 +180,7 @@ class ArenaService:
         self._require_play("spawn")
         place, turn = (0.0, self.config.side_m), (-MAX_HEADING_RAD, MAX_HEADING_RAD)
         for axis, value, (low, high) in (("x", x, place), ("y", y, place), ("theta", theta, turn)):
-            number = real_number(as_python(value))
+            number = real_number(value)
             if number is None or not low <= number <= high:
                 raise ActionError(f"spawn: {axis} must lie in [{low:g}, {high:g}], got {value!r}")
         number = self._engine.spawn(0, x, y, theta)
@@ -238,7 +238,12 @@ class ArenaService:
                 raise ActionError(f"{field} must map hunters to {values}, got {shortened(given)}")
         if not isinstance(requests, Collection):
             raise ActionError(f"requests must be a sequence of (hunter, request), got {shortened(requests)}")
-        calls = [(self._requesting_seat(hunter), request.name) for hunter, request in requests]
+        calls = [(self._seat(hunter), request.name) for hunter, request in requests]
+        for seat, _ in calls:
+            if (control := self.config.controls[seat]) != "full":
+                raise ActionError(
+                    f"hunter_{seat}: a request must be of a hunter under full control, and it is under {control}"
+                )
         choices, commands = self._choices(calls, active_targets or {}), self._commands(cmd_vel or {})
         # R8.4: a hunter's rank, unless it is 0, stands for its first request; the others are judged by name
         ranked = {seat: number for number, (seat, _) in reversed([*enumerate(calls)]) if choices[0, seat]}
@@ -307,13 +312,6 @@ class ArenaService:
             raise EpisodeError(f"cannot {call}: {why}; call reset() first")
         if self.is_recorded:
             raise EpisodeError(f"cannot {call} while the episode is recorded: a replay cannot repeat this call")
-
-    def _requesting_seat(self, hunter: str) -> int:
-        seat = self._seat(hunter)
-        control = self.config.controls[seat]
-        if control != "full":
-            raise ActionError(f"{hunter}: a request must be of a hunter under full control, and it is under {control}")
-        return seat
 
     def _seat(self, hunter: str) -> int:
         names = self.config.hunter_names

@@ -108,7 +108,7 @@ def _checked_command(agent: str, subject: str, action: Any, *, clip: bool) -> tu
     if isinstance(pair, (list, tuple)) and len(pair) == 2:
         speed, turn_rate = pair
         if type(speed) is not float or type(turn_rate) is not float:
-            speed, turn_rate = real_number(as_python(speed)), real_number(as_python(turn_rate))
+            speed, turn_rate = real_number(speed), real_number(turn_rate)
         if speed is not None and turn_rate is not None:
             if -1.0 <= speed <= 1.0 and -1.0 <= turn_rate <= 1.0:  # false for NaN too
                 return speed, turn_rate
@@ -146,7 +146,7 @@ def _rows(given: Any, axes: int, *, whole: bool) -> Any:
     rows = given if isinstance(given, list | tuple) else as_python(given)
     if axes and isinstance(rows, list | tuple):
         return [_rows(row, axes - 1, whole=whole) for row in rows]
-    return whole_number(plain_action(given)) if whole else real_number(as_python(given))
+    return whole_number(plain_action(given)) if whole else real_number(given)
 
 
 def describe_value(given: object) -> str:

@@ -13,7 +13,7 @@ from catch_arena.explanation.facts import Contest, HunterAction, PreyAction, jso
 from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.seats import exit_cause, find_subjects, labels, prey_labels, with_seat
 from catch_arena.explanation.sentences import contest_sentence, listed, request_phrase, target_label
-from catch_arena.plain import as_python, real_number, whole_number
+from catch_arena.plain import real_number, whole_number
 from catch_arena.replay import Replay
 from catch_arena.text import counted, with_type
 
@@ -122,7 +122,7 @@ def step_at(replay: Replay, at_s: float) -> int:
         ConfigError: for a time outside the match's steps, or one that is no number.
     """
     require_type("replay", replay, Replay, "Replay.load(path)")
-    time_s = real_number(as_python(at_s))
+    time_s = real_number(at_s)
     if time_s is None:
         raise ConfigError(f"at must be a number of seconds, got {with_type(at_s)}")
     period_ms = replay.config.control_period_ms
