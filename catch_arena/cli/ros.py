@@ -65,8 +65,6 @@ _ROS_ARGS: Final = "--ros-args"
 _SPAWN_FREQUENCY: Final = "spawn_frequency"
 _NAME_PREFIX: Final = "turtle_name_prefix"
 _CLOSEST_FIRST: Final = "catch_closest_turtle_first"
-_WORDS: Final = {"-p", "--param"}
-_BOOLEANS: Final = {"true": True, "false": False}
 _KINDS: Final = {bool: "true or false", float: "a number", str: "a text"}
 _Value = bool | float | str
 _RosArgs = Annotated[
@@ -130,7 +128,8 @@ def serve(
 
     seats = _seats(seat or [])
     config = _with_parameters(_arena(scenario, settings, seats), ros_args)
-    agents = {number: driver for number, driver in sorted(seats.items()) if not _is_node(driver)}
+    drivers = sorted(seats.items())
+    agents = {number: driver for number, driver in drivers if driver.partition(":")[0] not in {NODE, HUMAN}}
     quotas = trust.quotas()
     reserve_file(record, REPLAY, force=force)
     try:
@@ -336,10 +335,6 @@ def _print_ranking(served: "Served", config: ArenaConfig) -> None:
     print_ranking(rows)
 
 
-def _is_node(driver: str) -> bool:
-    return driver.partition(":")[0] in {NODE, HUMAN}
-
-
 def _seats(options: list[str]) -> dict[int, str]:
     """Return the driver of each hunter, by seat, from the --seat options."""
     seats: dict[int, str] = {}
@@ -382,7 +377,7 @@ def parameters_from(words: Sequence[str] | None, defaults: Mapping[str, _Value])
     rest = iter(words or ())
     for word in rest:
         text = next(rest, None)
-        if word not in _WORDS or text is None:
+        if word not in {"-p", "--param"} or text is None:
             raise ConfigError(f"--ros-args must be -p NAME:=VALUE, such as -p {_SPAWN_FREQUENCY}:=2.0, got {word!r}")
         name, sign, value = text.partition(":=")
         if not name or not sign:
@@ -392,7 +387,7 @@ def parameters_from(words: Sequence[str] | None, defaults: Mapping[str, _Value])
             raise ConfigError(f"there is no parameter {shortened(name)}: {known}")
         kind = type(values[name])
         try:
-            values[name] = _BOOLEANS[value.lower()] if kind is bool else kind(value)
+            values[name] = {"true": True, "false": False}[value.lower()] if kind is bool else kind(value)
         except (KeyError, ValueError):
             raise ConfigError(f"{name} must be {_KINDS[kind]}, got {shortened(value)}") from None
     return values
