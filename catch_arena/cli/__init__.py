@@ -9,15 +9,7 @@ the paths of its results.
   on a terminal.
 """
 
-from catch_arena.cli import conformance as _conformance  # noqa: F401
-from catch_arena.cli import hand_ins as _hand_ins  # noqa: F401
-from catch_arena.cli import league as _league  # noqa: F401
-from catch_arena.cli import listings as _listings  # noqa: F401
-from catch_arena.cli import matches as _matches  # noqa: F401
-from catch_arena.cli import replays as _replays  # noqa: F401
-from catch_arena.cli import ros as _ros  # noqa: F401
-from catch_arena.cli import suite as _suite  # noqa: F401
-from catch_arena.cli import tournaments as _tournaments  # noqa: F401
+from catch_arena.cli import conformance, hand_ins, league, listings, matches, replays, ros, suite, tournaments  # noqa: F401
 from catch_arena.cli.app import main
 
 __all__ = ["main"]
