@@ -11,12 +11,7 @@ if TYPE_CHECKING:
 
 
 def main(words: "Sequence[str] | None" = None, name: str = "catch-arena") -> "NoReturn":
-    """Run the command line, and exit.
-
-    Args:
-        words: the arguments; None means those of the process.
-        name: the command's name in usage messages.
-    """
+    """Run the command line, and exit; without `words`, the arguments are those of the process."""
     interrupts.listen()  # before the slow imports
     from catch_arena.cli import main as command
     from catch_arena.streams import outlive_readers

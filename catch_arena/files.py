@@ -21,10 +21,7 @@ else:
 
 
 def regular_file(path: Path) -> Path:
-    """Return the path of a regular file, existing or not, with links followed.
-
-    Raise OutputError for a device or a folder.
-    """
+    """Return a file's path with links followed, existing or not; raise OutputError for a device or a folder."""
     try:
         target = Path(os.path.realpath(path))
         if target.exists() and not target.is_file():
@@ -35,10 +32,7 @@ def regular_file(path: Path) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a file that a person wrote: UTF-8, with or without a byte order mark.
-
-    Raise ConfigError for another encoding.
-    """
+    """Return the text of a UTF-8 file, with or without a byte order mark; raise ConfigError for another encoding."""
     try:
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -85,10 +79,7 @@ def unfinished_file(path: Path, *, ending: str = "", private: bool = False) -> I
 
 
 def prepare_folder(folder: Path) -> Path:
-    """Create a folder if it is missing, check that it is writable, and return it.
-
-    An error before the matches is better than one after them.
-    """
+    """Create a folder if it is missing, check that it is writable, and return it."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
         probe = folder / ".catch-arena-probe"

@@ -388,7 +388,6 @@ class PreyView(_Body):
 
 
 AnyLimits = Limits | PreyLimits
-"""Limits of a seat, of a hunter or of prey."""
 
 
 def player_limits(config: ArenaConfig, seat: int) -> AnyLimits:

@@ -65,10 +65,7 @@ def run_conformance(
 
 
 def select_cases(only: Sequence[str] = ()) -> tuple[ArbiterCase | ArenaCase, ...]:
-    """Return the cases with these ids, or whose ids begin with a word that is no id; all cases without words.
-
-    Raise ConfigError for a word that matches no case.
-    """
+    """Return the cases with these ids, or whose ids begin with a word that is no id; all cases without words."""
     cases = load_cases()
     ids = {case.id for case in cases}
     wanted: set[str] = set()

@@ -83,9 +83,7 @@ def without_folders(text: str) -> str:
 
 
 def spreadsheet_cell(text: str) -> str:
-    """Return the text as a cell of a CSV file. Text that begins like a formula gets an apostrophe, so that spreadsheets
-    do not run it.
-    """
+    """Return the text as a cell of a CSV file; an apostrophe before a formula keeps spreadsheets from running it."""
     return f"'{text}" if text.startswith(("=", "+", "-", "@")) else text
 
 
