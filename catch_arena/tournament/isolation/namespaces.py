@@ -23,9 +23,11 @@ from catch_arena.tournament.isolation.quotas import Level
 
 SHARED: Final = Path("/dev/shm")  # noqa: S108 - in a file system of its own, as TEMPORARY
 _PROGRAM: Final = "bwrap"
+_UNPRIVILEGED_ID: Final = "65534"
+_PROBE_S: Final = 20.0
 _OPTIONS: Final = (
     *("--unshare-user", "--unshare-pid", "--unshare-net", "--unshare-ipc", "--unshare-uts", "--unshare-cgroup-try"),
-    *("--uid", "65534", "--gid", "65534", "--hostname", "arena"),  # the user called nobody
+    *("--uid", _UNPRIVILEGED_ID, "--gid", _UNPRIVILEGED_ID, "--hostname", "arena"),
     *("--disable-userns", "--cap-drop", "ALL", "--new-session", "--die-with-parent"),
 )
 _SYSTEM: Final = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store", "/gnu/store")
@@ -94,7 +96,7 @@ def _fault(program: str | None) -> str | None:
             stdin=subprocess.DEVNULL,
             capture_output=True,
             check=True,
-            timeout=20.0,
+            timeout=_PROBE_S,
         )
     except subprocess.TimeoutExpired:
         return f"{program} does not end"
