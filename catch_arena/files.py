@@ -32,7 +32,9 @@ def regular_file(path: Path) -> Path:
 
 
 def read_text(path: Path) -> str:
-    """Return the text of a UTF-8 file, with or without a byte order mark; raise ConfigError for another encoding."""
+    """Return the text of a UTF-8 file, with or without a byte order mark; raise ConfigError for another encoding, and
+    OSError if it cannot be read.
+    """
     try:
         return path.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -160,8 +160,8 @@ class ArenaService:
 
     def targets_seen(self, hunter: str) -> list[str]:
         """R7.1: return the names of the targets that a hunter sees, by rank."""
-        numbers = self._engine.numbers_seen(self._seat(hunter))[0]
-        return [self.config.target_name(number) for number in numbers.tolist() if number]
+        alive = {target.number: target.name for target in self.world.targets}
+        return [alive[number] for number in self._engine.numbers_seen(self._seat(hunter))[0].tolist() if number]
 
     def withdraw(self, hunter: str) -> None:
         """R1.6: withdraw a hunter, which takes no further part."""

@@ -20,7 +20,7 @@ _SPREAD: Final = 1.7320508075688772
 @rule
 def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s: Settings) -> bool:
     """R7.5: return whether a hunter sees a body: near enough and in front of it, or within its reach.
-    Distances are in metres; `dx` is infinite for a body that no hunter sees.
+    The way to it, `dx` and `dy`, is in metres; `dx` is infinite for a body that no hunter sees.
     """
     distance_um = measure_um(dx, dy)
     seen = distance_um < s.view_radius_um
@@ -31,7 +31,7 @@ def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s
 
 @rule
 def blur_key(seed: np.uint64, step: float, observer: int, kind: np.uint64) -> np.uint64:
-    """R7.6: return the key of the errors in one hunter's view, in those of targets or of rivals."""
+    """R7.6: return the key of the errors in an observer's view; `kind` is TARGET_KIND or RIVAL_KIND."""
     return draw(draw(draw(stream(seed, VIEW_NOISE), np.uint64(step)), np.uint64(observer)), kind)
 
 

@@ -69,7 +69,8 @@ def request_phrase(
     prey: str | None = None,
 ) -> str:
     """Return a requested target, the smallest and the largest distance to it, and the verdict with its reason, in
-    words. A rank without a target, and a requested name that was no string, have None as the target.
+    words. A distance that was not measured is None. `by_name`: the request has a name instead of a rank (R8.4); a rank
+    without a target, and a name that was no string, have None as the target.
     """
     if by_name:
         asked_for = describe_name(target)

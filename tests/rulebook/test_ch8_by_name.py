@@ -99,9 +99,11 @@ def test_the_service_keeps_its_own_settings_and_times():
     with pytest.raises(ConfigError, match="ArenaService sets it"):
         ArenaService(observed_targets=3)
     service = ArenaService("duel", max_cycles=1)
-    with pytest.raises(EpisodeError):
-        service.spawn(1.0, 1.0)
+    for call in (lambda: service.spawn(1.0, 1.0), lambda: service.targets_seen("hunter_0")):
+        with pytest.raises(EpisodeError, match=r"no episode has begun|call reset\(\)"):
+            call()
     service.reset(seed=1)
+    assert sorted(service.targets_seen("hunter_0")) == sorted(target.name for target in service.world.targets)
     service.step()
 
     assert service.over
