@@ -40,6 +40,7 @@ class Results:
         self._prey = list(names[config.hunters :])
         self._team_by_seat = () if config.teams is None else config.team_by_seat
         self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
+        self._shows_masks = config.mask_in_observation
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy and unpickle by building the object again, since its views belong to the engine."""
@@ -58,7 +59,7 @@ class Results:
             observations = {agent: seen[row, : sizes[row]] for row, agent in enumerate(self._names)}
         else:
             observations = dict(zip(self._names, seen))  # noqa: B905
-        if self._config.mask_in_observation:
+        if self._shows_masks:
             masks = self._masks.copy()
             for agent, seat, control in self._hunters:
                 if control == "target":
