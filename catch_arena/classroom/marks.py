@@ -58,7 +58,7 @@ def write_marks(
 
 
 def hours_late(changed: datetime, deadline: datetime | None) -> str:
-    """Return the number of hours after the deadline, rounded up to one decimal; empty for none."""
+    """Return the number of hours after the deadline, rounded up to one decimal; empty without a deadline or in time."""
     if deadline is None or changed <= deadline:
         return ""
     return f"{math.ceil((changed - deadline).total_seconds() / 360) / 10:.1f}"

@@ -87,7 +87,8 @@ def render_mosaic(
     """Write a video in which all matches run at the same time; a match that has ended shows its result until all end.
 
     A match that does not play as recorded stops at the difference, and its cell says so. There may be 1 to MOST
-    matches, by the text below each. The other arguments and the errors are those of `video.render_replay`.
+    matches, by the text below each. The other arguments are those of `video.render_replay`, and so are
+    all errors but ReplayError.
     """
     if not 1 <= len(replays) <= MOST:
         raise ConfigError(f"a mosaic must have 1 to {MOST} matches, got {len(replays)}")

@@ -196,7 +196,8 @@ def _resolve_command(spec: str) -> AgentSpec:
         raise AgentError(f"{spec}: must be a command as a shell takes it: {error}") from None
     if not words:
         raise AgentError(f"{COMMAND} must name a command, as in {COMMAND}./my_bot")
-    named = {word: path for word in words if (path := _absolute(word)).exists()}
+    # as the kernel reads the word: in s/../b nothing is there, unless s is a folder
+    named = {word: _absolute(word) for word in words if os.path.exists(os.path.expanduser(word))}  # noqa: PTH110, PTH111
     files = {word: path for word, path in named.items() if path.is_file()}
     program, *arguments = [str(named.get(word, word)) for word in words]
     if words[0] in files:
@@ -219,7 +220,10 @@ def _absolute(word: str) -> Path:
 
 
 def _require_program(word: str, path: Path) -> None:
-    """Raise AgentError unless a file is executable, and its first line names an installed interpreter, or none."""
+    """Raise AgentError unless a file is executable, and its first line names an installed interpreter, or none.
+
+    A byte order mark in front of such a line is refused too.
+    """
     if not os.access(path, os.X_OK):
         raise AgentError(f"{word}: must be executable: chmod +x {word}")
     first = (content_of(str(path)) or b"").partition(b"\n")[0]

@@ -64,9 +64,9 @@ _ROWS: Final = 20_000
 
 
 def export(store: Store, path: Path, *, timing: bool = True) -> None:
-    """Write all played matches to a .jsonl, .csv or .parquet file, or raise ConfigError for another ending.
+    """Write all played matches to a .jsonl, .csv or .parquet file.
 
-    `timing` adds times, which no other run repeats.
+    `timing` adds times, which no other run repeats. Raise ConfigError for another ending, or without pyarrow.
     """
     writers = {".jsonl": _write_jsonl, ".csv": _write_csv, ".parquet": _write_parquet}
     require_choice("the ending of the file", path.suffix.lower(), list(writers))

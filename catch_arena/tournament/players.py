@@ -261,10 +261,11 @@ class Players(AbstractContextManager["Players"]):
 def enter(
     specs: Sequence[str], sandbox: Sandbox | None = None, progress: Callable[[int, int], None] = lambda *_: None
 ) -> tuple[Entrant, ...]:
-    """Return the entrants that these words on the command line name, in their order, or raise AgentError in one line.
+    """Return the entrants that these words on the command line name, in their order.
 
-    Each agent is inspected in the kind of process in which it would play; without a sandbox all are trusted. `progress`
-    gets (number of the agent, number of all) before each inspection.
+    Each agent is inspected in the kind of process in which it would play; without a sandbox all are trusted. One that
+    cannot begin has a `fault`. AgentError is raised for a word that names no agent, and for a shipped agent with a
+    fault. `progress` gets (number of the agent, number of all) before each inspection.
     """
     entrants = []
     inspect = cache(partial(_inspect, sandbox))
@@ -279,6 +280,8 @@ def enter(
             raise AgentError(f"{agent.spec!a}: {wrong}; give the file another name")
         progress(number, len(agents))
         entrant = inspect(agent)
+        if entrant.fault is not None and is_shipped(agent.spec):
+            raise AgentError(entrant.fault)
         prey_digest = _shipped_prey().digest if entrant.needs_prey else entrant.digest
         entrants.append(replace(entrant, name=name, prey_digest=prey_digest))
     return tuple(entrants)

@@ -2,6 +2,7 @@
 
 import copy
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -180,14 +181,23 @@ def test_a_word_that_stands_for_nothing_is_explained(tmp_path, monkeypatch, spec
     (tmp_path / "loop.py").symlink_to("loop.py")
     (tmp_path / "linked").mkdir()
     (tmp_path / "linked" / "agent.py").symlink_to(tmp_path / "helpers.py")
-    if spec in {"neighbours.py", "latin.py"} or (re.match(r"[a-z_.]+(?<!\.py):", spec) and not spec.startswith("cmd:")):
-        why = enter([spec])[0].fault  # a file or a module is there, or may be there: the fault is that of an entrant
+    if spec in {"neighbours.py", "latin.py", "no_such_module:Agent", "helpers:Agent", "helpers.mine:Agent"}:
+        why = enter([spec])[0].fault  # an agent's own fault, for which it forfeits
     else:
         with pytest.raises(AgentError) as refusal:
             enter([spec])
         why = str(refusal.value)
     assert re.search(reason, why)
     assert "\n" not in why
+
+
+def test_a_commands_words_that_are_no_files_stay_as_they_are(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "b").touch()
+
+    program = resolve("cmd:python3 s/../b b")
+
+    assert program.spec == f"cmd:{shutil.which('python3')} s/../b {tmp_path / 'b'}"
 
 
 def test_a_commands_name_and_digest_come_from_its_file_whatever_it_says(tmp_path, monkeypatch):
