@@ -70,7 +70,7 @@ def suggest(name: object, known: Iterable[str]) -> str:
 
 
 def install_hint(extra: str) -> str:
-    """Return the end of a «not installed» message: the README's command to install this extra."""
+    """Return the end of a «not installed» message: the command that installs this extra."""
     return f"pip install '.[{extra}]' in the clone of Catch Arena"
 
 

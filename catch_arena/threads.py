@@ -10,8 +10,8 @@ from functools import cache
 def run_in_threads(num_threads: int, num_parts: int, work: Callable[[int, int], None]) -> None:
     """Call `work(thread, part)` for every part, in the caller's thread and in helpers that the whole process shares.
 
-    Each free thread takes the next part: a slow thread then delays one part, and not a whole share. An error in any
-    thread is raised here when all have ended.
+    There are at least two threads. Each free one takes the next part: a slow one then delays one part, and not a whole
+    share. An error in any thread is raised here when all have ended.
     """
     numbers = itertools.count()
 

@@ -2,8 +2,8 @@
 cache; no frameworks, no validation.
 
 A *rule* computes one or a few values for one lane or a group of lanes, from numbers and arrays. It writes nothing, and
-cites its clause if it stands for one. A *phase* is one chunk: the loop over its lanes, or other phases in their order;
-an *outlined* one is compiled as small code, since it is rare. An *entry* is a function that Python calls: it walks the
+cites its clause if it stands for one. A *phase* works on one chunk: a loop over its lanes, or other phases in order; an
+*outlined* one is compiled as small code, since it is rare. An *entry* is a function that Python calls: it walks the
 chunks.
 
 - tick: one step, phase by phase: begin to read here. episodes: begin and end of episodes. placing: bodies at given

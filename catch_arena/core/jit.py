@@ -50,8 +50,8 @@ def rule(function: F) -> F:
 
 
 def phase(function: F) -> F:
-    """Compile a phase: one chunk, a loop over its lanes, or one group of them; or a sequence of phases, or a name for a
-    part of the memory. LLVM decides whether to inline it.
+    """Compile a phase, which works on one chunk: a loop over its lanes, or one group of them, or other phases; or a name
+    of a part of the memory. LLVM decides whether to inline it.
     """
     return cast(F, numba.njit(**_INNER)(function))
 

@@ -28,7 +28,7 @@ _HOLD: Final[dict[Control, Any]] = {"target": 0, "velocity": (0.0, 0.0), "full":
 
 
 class MatchStopped(Exception):  # noqa: N818 - no error: a request
-    """Request to end a match before its end, raised by `watch` or by the players."""
+    """Request to end a match before its end, raised by `watch`, or by the players while they act."""
 
 
 def play_entrants(
@@ -79,7 +79,7 @@ def play_match(
 
     The replay is written to `record`, with its `title` and the numbers of the hunters' colours, by default their seats.
     `watch` is called after the reset and after every step; if it raises MatchStopped, the result so far is returned.
-    `on_forfeit` is called with (seat, forfeit) for each seat of a party that fails.
+    `on_forfeit` is called with (seat, forfeit) for each seat that a party that fails still has.
     """
     if isinstance(players, Sequence):
         players = Players(players)

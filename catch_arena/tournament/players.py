@@ -37,7 +37,7 @@ _Reply = tuple[dict[str, Any], float, Fault | None]
 class Players(AbstractContextManager["Players"]):
     """Players of one match. Use it as a context manager if there is a sandbox: its exit ends the match's processes.
 
-    A seat that had a fault is not asked again. Instances, agents that come with the package, and all agents if there
+    Do not ask a seat again that had a fault. Instances, agents that come with the package, and all agents if there
     is no sandbox, play in this process, one after the other: one that raises harms only itself, but nothing limits its
     time, memory or access. All others play in their own processes, and are asked at the same time.
 

@@ -84,7 +84,7 @@ def terms_of(quotas: Quotas | None, max_forfeits: int, *, recorded: bool) -> dic
 class Store:
     """Store of one tournament's matches; `begin` and `read` open it for the time of a `with` statement.
 
-    All methods raise StoreError if SQLite reports an error, or the file is missing or damaged.
+    All methods raise StoreError if SQLite reports an error, or the file is damaged; `read` also if it is missing.
     """
 
     def __init__(self, path: Path, *, writable: bool) -> None:

@@ -97,11 +97,11 @@ class Executor(AbstractContextManager["Executor"]):
         """Worker that plays each match; it may be replaced while no match is played."""
 
     def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
-        """Begin to play these matches, without the entrants that are `excluded`."""
+        """Play these matches, without the entrants that are `excluded`, now or when a process is idle."""
         return self.run(self.worker.play_block, matches, excluded)
 
     def run(self, work: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
-        """Begin to call a function with these arguments; all of them can be sent to another process."""
+        """Call a function, now or when a process is idle; it and its arguments can be sent to another process."""
         future: Future[_Result] = Future()
         try:
             future.set_result(work(*arguments))

@@ -2,7 +2,7 @@
 
 It reads lines from one pipe and writes answers to another; standard output and standard error go to the agent's log.
 From the import on it runs a stranger's code, so the tournament does not trust its answers. A command replaces this
-program, and speaks the protocol itself.
+program, and speaks the protocol itself, with its answers on standard output.
 
 `sandbox.AgentProcess` starts it, with or without namespaces (namespaces.py).
 """
