@@ -19,16 +19,16 @@ chunks.
 
 Parameters that have the same meaning in every function; docstrings do not repeat them:
 
-- memory: see memory.py. arena: its number in the batch. choices, commands and given_requests: see `tick.run`, of the
-  lanes. sections: see `memory.Sections`; so are controls (of the lanes), limits, teams and team_seats.
-- They come in this order: chunk or me; s; first and width; lanes or lane; seat; order; targets; slot, index or at;
-  other numbers; sections; and last the results, or the room for them.
+- memory: see memory.py. arena: its number in the batch. choices, commands and given_requests: see `tick.run`; after
+  `tick.play` those of the lanes. sections: see `memory.Sections`; so are controls (of the lanes), limits and teams.
+- They mostly come in this order: chunk or me; s; first and width; lanes or lane; seat; order; targets; slot, index or
+  at; other numbers; sections; and last the results, or the room for them.
 - s: the settings, see `state.Settings`. chunk: the rows of LANES arenas, see rows.py; lane: one of them. lanes: number
-  of the chunk's lanes that are arenas, from 0 up. first and last: the first arena of the chunk, and the one after its
+  of the chunk's lanes that are arenas, from 0 up. first_arena and stop_arena: the chunk's first, and the one after its
   last.
-- width: number of lanes in a group; first: the first lane of the group, in functions of one group (see vectors.py).
+- width: a tuple as long as a group has lanes; first: the first lane of the group (see vectors.py).
 - seat: number of a hunter. me: the rows of the body, hunter or prey that the function works on. index: number of a
-  prey. one, other: the rows, or the seats, of two that are compared. bodies: see `prey_views.Bodies`.
+  prey. one, other: the rows, or the seats, of two that are compared. bodies: see `ranking.Bodies`.
 - targets: the slots of the chunk; slot: one of them; at: offset of one in `targets`, its lane included; slots: number
   of slots in use in the lane that uses most. order: the slots or seats that a seat sees, by rank, see
   `state.Order`; orders: those of the targets, of all seats.

@@ -75,7 +75,7 @@ def first_failed_test(
     over: bool,
     service_up: bool,
 ) -> int:
-    """R5.2: return the first test that a request fails regardless of other requests, or ELIGIBLE if it fails none.
+    """R5.2: return the first test that a request fails regardless of other hunters, or ELIGIBLE if it fails none.
 
     R9.1: the policy CAPSTONE is the original's service, which grants every request that it can answer at all.
 
@@ -134,8 +134,8 @@ def judge(
     service_up: bool,
     partners_needed: int,
 ) -> None:
-    """R5.1 to R5.7: write the verdict and the winner of every request of one step. First come R5.2's tests, which a
-    request fails alone, and then the contests among the other requests.
+    """R5.1 to R5.10: write the verdict and the winner of every request of one step. First come R5.2's tests, which a
+    request fails alone, then R5.10's partners, and then the contests among the other requests.
 
     Args:
         requests: the request table; REQUEST_VERDICT and REQUEST_WINNER are written, and REQUEST_DISTANCE becomes

@@ -67,8 +67,8 @@ def look_up_choices(
     Args:
         requested: the result, one row: the target's slot, NO_TARGET for hold, MALFORMED_REQUEST for a rank without a
             target.
-        active_targets: the result, the rows ACTIVE_X, ACTIVE_Y [m] and ACTIVE_NUMBER of the target; its number is 0 if
-            the hunter holds or is withdrawn.
+        active_targets: the result, the rows ACTIVE_X, ACTIVE_Y [m] and ACTIVE_NUMBER of the target; its number is 0
+            without a target: on hold, for a rank that has none, and if the hunter is withdrawn.
     """
     for lane in range(lanes):
         rank = choices[lane, seat]

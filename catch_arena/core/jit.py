@@ -50,7 +50,7 @@ def rule(function: F) -> F:
 
 
 def phase(function: F) -> F:
-    """Compile a phase, which works on one chunk: a loop over its lanes, or one group of them, or other phases; or a name
+    """Compile a phase, which works on one chunk: a loop over its lanes, or over one group, or other phases; or a name
     of a part of the memory. LLVM decides whether to inline it.
     """
     return cast(F, numba.njit(**_INNER)(function))

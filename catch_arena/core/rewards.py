@@ -21,7 +21,7 @@ _GRANTED: Final = float(Verdict.GRANTED)
 _named: Any = namedtuple  # for type checkers, which want to see the names  # noqa: PYI024
 _PartRows: Final = _named("_PartRows", PART_NAMES)
 _ROW_OF: Final = _PartRows(*range(LANES, (1 + len(PART_NAMES)) * LANES, LANES))
-"""Offset of each part's row in scratch memory, which begins with the row of the sum."""
+"""Offset of each part's row in the rows of amounts, which begin with that of the sum."""
 
 Rewards = NDArray[np.float64]
 """Rewards of all agents, (lanes, N); this module writes those of the hunters."""

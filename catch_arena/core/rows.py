@@ -17,7 +17,7 @@ from catch_arena.verdicts import Verdict
 # arena rows; the first eight stand in the digest in this order (A.8)
 TIME: Final = 0 * LANES  # since reset [ms], from 0
 STEP: Final = 1 * LANES  # steps played, from 0
-SPAWNED: Final = 2 * LANES  # targets that appeared, from 0
+SPAWNED: Final = 2 * LANES  # targets that appeared, less those killed by name (R8.1), from 0
 LAST_NUMBER: Final = 3 * LANES  # the last spawn number, from 1; 0 before the first
 FIRINGS: Final = 4 * LANES  # firings of the spawn timer, from 0
 SKIPPED_FULL: Final = 5 * LANES  # R3.5: firings in a full arena, from 0
@@ -33,7 +33,7 @@ ARENA_ROWS: Final = 12
 # body rows: of a hunter or a target; still targets have only the first three
 X: Final = 0 * LANES  # [m], 0 to the arena's side
 Y: Final = 1 * LANES  # [m], 0 to the arena's side
-THETA: Final = 2 * LANES  # heading [rad]: of hunters in [-pi, pi), of still targets as drawn, in [0, 2 pi)
+THETA: Final = 2 * LANES  # heading [rad]: of hunters in [-pi, pi), of still targets as drawn, in [0, 2 pi), or given
 STILL_BODY_ROWS: Final = 3
 SPEED: Final = 3 * LANES  # commanded [m/s], within the limits of the hunter, the targets or the prey
 TURN_RATE: Final = 4 * LANES  # commanded [rad/s], within the same limits

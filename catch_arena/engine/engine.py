@@ -58,7 +58,7 @@ class Engine(ArenaReader):
     Args:
         config: the arena's settings.
         num_arenas: B, from 1 up.
-        with_infos: whether to keep the content of infos: R6.2's parts, and the evidence of rulings.
+        with_infos: whether to keep R6.2's and R12.5's parts of the rewards, which infos hold.
         auto_reset: whether an arena whose episode ends begins the next one immediately.
         num_threads: the greatest number of threads that play.
         any_control: whether `controls` may differ by arena.

@@ -21,7 +21,7 @@ class ActionReader:
         self.choices = np.zeros((1, config.hunters), dtype=np.int64)
         """Ranks, as `Engine.step` takes them: (1, H)."""
         self.commands = np.zeros((1, len(agents), 2), dtype=np.float32)
-        """Velocities, as `Engine.step` takes them: (1, N, 2)."""
+        """Fractions of the limits of velocity, as `Engine.step` takes them: (1, N, 2)."""
         prey_drives: tuple[Control] = ("velocity",)
         controls = config.controls + prey_drives * config.prey
         self.seats = dict(zip(agents, enumerate(controls), strict=True))

@@ -17,7 +17,7 @@ RENDER_SIZE: Final = (500, 500)
 
 
 class Display:
-    """Painter of an arena in one of RENDER_MODES; None draws nothing. A copied or unpickled one has no window yet.
+    """Painter of an arena in one of RENDER_MODES, or None to draw nothing. A copied or unpickled one has no window yet.
 
     Raises:
         ConfigError: for another mode, and for one whose libraries are missing.

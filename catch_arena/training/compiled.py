@@ -29,7 +29,11 @@ Decide = Callable[[Any], Any]
 _NUMBERS: Final = [field.name for field in fields(Limits) if field.type in (int, float, bool)]
 _make: Any = NamedTuple  # for type checkers, which want to see the fields
 _Limits: Any = _make("_Limits", [(name, float) for name in _NUMBERS])
-_Seen: Any = _make("_Seen", [(name, Any) for name in (*SelfFeatures._fields, "targets", "rivals", "limits")])
+_FIELDS: Final = (
+    *("x", "y", "heading_cos", "heading_sin", "linear_velocity", "angular_velocity", "time_left", "score"),
+    *("distance_integral", "bearing_integral", "targets", "rivals", "limits"),
+)
+_Seen: Any = _make("_Seen", [(name, Any) for name in _FIELDS])
 """Replacement for a `View` in compiled code: the hunter's own numbers, arrays of records, and the limits."""
 _OWN: Final = SelfFeatures(*range(len(SelfFeatures._fields)))
 _PRESENT: Final = MovingTargetFeatures._fields.index("present")  # and of rivals
