@@ -121,10 +121,9 @@ def _with_single_options(command: Callable[..., Any]) -> Callable[..., Any]:
             single.append(parameter.replace(kind=Parameter.KEYWORD_ONLY))
 
     def run(**given: Any) -> Any:
-        # bash does not expand the tilde of --out=~/x, and Path.expanduser() raises for an unknown user
+        # bash does not expand the tilde of --out=~/x
         given = {
-            name: Path(os.path.expanduser(value)) if isinstance(value, Path) else value  # noqa: PTH111
-            for name, value in given.items()
+            name: Path(os.path.expanduser(value)) if isinstance(value, Path) else value for name, value in given.items()
         }
         for name, kind in shared.items():
             given[name] = kind(**{field.name: given.pop(field.name) for field in fields(kind)})

@@ -197,7 +197,7 @@ def _resolve_command(spec: str) -> AgentSpec:
     if not words:
         raise AgentError(f"{COMMAND} must name a command, as in {COMMAND}./my_bot")
     # as the kernel reads the word: in s/../b nothing is there, unless s is a folder
-    named = {word: _absolute(word) for word in words if os.path.exists(os.path.expanduser(word))}  # noqa: PTH110, PTH111
+    named = {word: _absolute(word) for word in words if os.path.exists(os.path.expanduser(word))}  # noqa: PTH110
     files = {word: path for word, path in named.items() if path.is_file()}
     program, *arguments = [str(named.get(word, word)) for word in words]
     if words[0] in files:
@@ -215,8 +215,7 @@ def _resolve_command(spec: str) -> AgentSpec:
 
 def _absolute(word: str) -> Path:
     """Return the absolute path of a word; links stay, and so does the tilde of an unknown user."""
-    # Path.absolute() keeps "..", and Path.expanduser() raises for an unknown user
-    return Path(os.path.abspath(os.path.expanduser(word)))  # noqa: PTH100, PTH111
+    return Path(os.path.abspath(os.path.expanduser(word)))  # noqa: PTH100 - Path.absolute() keeps ".."
 
 
 def _require_program(word: str, path: Path) -> None:

@@ -152,7 +152,7 @@ def _complete(at: str, test: GradingTest, given: Collection[str], matches: int, 
 
 def _from(folder: Path, word: str) -> str:
     """Return an opponent; the path of a file or folder is relative to the spec's folder, as for its seed_file."""
-    path = folder / os.path.expanduser(word)  # noqa: PTH111 - Path.expanduser() raises for an unknown user
+    path = folder / os.path.expanduser(word)
     is_folder = (path / IN_FOLDER).is_file() and word not in shipped_names()
     return str(path) if is_folder or word.endswith(".py") else word
 

@@ -40,7 +40,7 @@ def test_a_part_of_a_match_begins_and_ends_where_it_is_told_and_no_later_step_is
     assert len(frames) == 45
     assert frames[0][1] == 1250.0
     assert frames[0][0].before.time_ms == 1200
-    assert read[0][0].before.time_ms == 0  # what came before is told, without frames
+    assert read[0][0].before.time_ms == 0  # the step before the first frame comes too, without frames
     assert read[-1][0].after.time_ms == 2000
 
 

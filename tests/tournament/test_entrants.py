@@ -112,9 +112,9 @@ def test_a_file_that_cannot_play_is_named_with_the_reason_in_one_line(agent_file
         ("", "an agent must be a name, a file, a folder or a command, got ''"),
         ("neerest", "unknown agent 'neerest': did you mean nearest"),
         ("missing.py", "missing.py: no such file"),
-        ("~nobody_here", "unknown agent '~nobody_here'"),
-        ("~nobody_here/mine.py", "^~nobody_here/mine.py: no such file"),
-        ("cmd:~nobody_here/bot", "^~nobody_here/bot: no such file"),
+        ("~unknown_user", "unknown agent '~unknown_user'"),
+        ("~unknown_user/mine.py", "^~unknown_user/mine.py: no such file"),
+        ("cmd:~unknown_user/bot", "^~unknown_user/bot: no such file"),
         ("missing.zip", "^missing.zip: no such file; give a shipped agent's name, a .py file, a folder"),
         ("helpers", r"^helpers: no such file; a file is given with its ending, as helpers\.py$"),
         (

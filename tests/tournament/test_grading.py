@@ -82,8 +82,8 @@ def test_the_seeds_of_a_match_of_teams_name_the_students_team(grade):
 
 
 def test_an_agent_is_told_its_own_seeds_and_of_the_matches_only_what_it_sees(grade):
-    write_agent(Path("tells.py"), "raise ValueError", "print(seed)")
-    grade("tells.py", "--json", "grades.json", "--seeds", "seeds.json")
+    write_agent(Path("prints.py"), "raise ValueError", "print(seed)")
+    grade("prints.py", "--json", "grades.json", "--seeds", "seeds.json")
     logged_seeds = [test["log"].split()[0] for test in json.loads(Path("grades.json").read_text())["tests"]]
     tests = json.loads(Path("seeds.json").read_text())["tests"]
     assert logged_seeds == [str(test["matches"][0]["agent_seeds"][0]) for test in tests]
@@ -290,7 +290,7 @@ def test_text_in_another_encoding_is_named(tmp_path, encoding, why):
     ("words", "message"),
     [
         (["nearest", "--spec", "missing.toml"], "missing.toml: cannot be read: No such file or directory"),
-        (["nearest", "--spec", "~nobody_here/spec.toml"], "~nobody_here/spec.toml: cannot be read: No such file"),
+        (["nearest", "--spec", "~unknown_user/spec.toml"], "~unknown_user/spec.toml: cannot be read: No such file"),
         (["nope", "--spec", "spec.toml"], "unknown agent 'nope'"),
         (["nearest", "--spec", "spec.toml", "--json", "file/grades.json"], "file: cannot be written"),
     ],
@@ -312,9 +312,9 @@ def test_an_opponent_that_cannot_play_is_the_specs_fault(grade, tmp_path):
 
 
 def test_an_opponent_of_an_unknown_user_is_one_line(grade):
-    result = grade("nearest", spec=SPEC.replace('"idle"', '"~nobody_here"'))
+    result = grade("nearest", spec=SPEC.replace('"idle"', '"~unknown_user"'))
     assert result.exit_code == 2
-    assert result.stderr.startswith("error: unknown agent '~nobody_here': ")
+    assert result.stderr.startswith("error: unknown agent '~unknown_user': ")
     assert len(result.stderr.splitlines()) == 1
 
 

@@ -109,7 +109,7 @@ def test_a_file_that_no_system_can_start_is_a_fault(sandbox, tmp_path):
 
 def test_an_agent_is_told_its_own_seed_and_the_arenas_limits(sandbox, tmp_path):
     act = "print(view.limits, view.observation[:2])\nreturn 0"
-    entrants = enter([write_agent(tmp_path / "tells.py", act, "print('seed', seed)"), "idle"], sandbox)
+    entrants = enter([write_agent(tmp_path / "prints.py", act, "print('seed', seed)"), "idle"], sandbox)
     result = played(SHORT, entrants, sandbox, agent_seeds=(2**63 - 1, 1))
     assert result.logs[0].startswith(f"seed {2**63 - 1}\n{Limits.of(SHORT)} [")
 
