@@ -24,6 +24,7 @@ from catch_arena.report.data import ReportData
 from catch_arena.report.moments import LostContest, answer_to, figures, find_lost_contests
 from catch_arena.report.selection import SelectedMatch, select_matches
 from catch_arena.text import without_folders
+from catch_arena.tournament.agent_spec import command_of, file_of
 from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.tournament.statistics.head_to_head import head_to_head
 
@@ -124,7 +125,7 @@ def content_policy(*, watched: bool) -> str:
 
 @cache
 def _template() -> jinja2.Template:
-    filters = {"percent": charts.percent, "interval": charts.interval, "number": charts.number}
+    filters = {"percent": charts.percent, "interval": charts.interval, "number": charts.number, "origin": _origin}
     return page_template(_PAGE, "report.html", filters)
 
 
@@ -163,9 +164,16 @@ def _forfeits(data: ReportData) -> list[dict[str, Any]]:
                 continue
             entrant = data.tournament.entrants[played_match.match.seating[party]]
             name, code = entrant.name, forfeit.code
-            reason = without_folders(forfeit.reason.replace(entrant.spec, entrant.source))
+            reason = without_folders(forfeit.reason.replace(entrant.spec, _origin(entrant.spec)))
             place = f"{played_match.match.title(size)}, {data.parties.called(party)}"
             first = {"where": place, "step": forfeit.step, "times": 0}
             way = found.setdefault((name, code, reason), {"name": name, "code": code, "reason": reason} | first)
             way["times"] += 1
     return sorted(found.values(), key=lambda way: -way["times"])
+
+
+def _origin(spec: str) -> str:
+    """Return where an agent comes from: a file's name without its folders, or a command's program."""
+    if (words := command_of(spec)) is not None:
+        return f"a command: {Path(words[0]).name}"
+    return spec if file_of(spec) is None else Path(spec).name

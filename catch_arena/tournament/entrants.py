@@ -1,12 +1,11 @@
 """Entrants: agents that were inspected (`players.enter`), each under a name that is unique in its tournament."""
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 from typing import Final
 
 from catch_arena.config import Control
 from catch_arena.policy import Side
-from catch_arena.tournament.agent_spec import command_of, file_of, shipped_spec
+from catch_arena.tournament.agent_spec import shipped_spec
 
 SHIPPED_PREY: Final = "flee"
 """The agent that plays prey for agents that do not."""
@@ -51,10 +50,3 @@ class Entrant:
             return found
         name, spec = f"{self.name} (plays {SHIPPED_PREY})", shipped_spec(SHIPPED_PREY)
         return replace(found, name=name, spec=spec, digest=self.prey_digest)
-
-    @property
-    def source(self) -> str:
-        """Origin for readers of a report: a file's name without its folders, or a command's program."""
-        if (words := command_of(self.spec)) is not None:
-            return f"a command: {Path(words[0]).name}"
-        return self.spec if file_of(self.spec) is None else Path(self.spec).name
