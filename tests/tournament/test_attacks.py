@@ -109,6 +109,8 @@ time.sleep(1)
 """
 FLOODS = r"""
 threading.Thread(target=lambda: [os.write(1, b"x" * 65536) for _ in iter(int, 1)], daemon=True).start()
+for _ in range(257):
+    os.write(1, b"x" * 65536)
 """
 FORGES = r"""
 for file in range(3, 64):
@@ -214,7 +216,7 @@ def test_it_sees_no_secret_of_others(level, hand_ins, tmp_path):
     [
         pytest.param(KILLS, {}, "FORFEIT_CRASH", id="kills all that it sees"),
         pytest.param(FORKS, {"step_ms": 3000, "bank_s": 0, "processes": 100}, "FORFEIT_TIMEOUT", id="forks for ever"),
-        pytest.param(FLOODS, {}, None, id="prints without end"),
+        pytest.param(FLOODS, {}, "FORFEIT_ILLEGAL", id="prints without end"),
         pytest.param(FORGES, {}, "FORFEIT_ILLEGAL", id="forges what our program says"),
         pytest.param("os.kill(os.getppid(), signal.SIGSTOP)", {}, None, id="stops our program"),
     ],

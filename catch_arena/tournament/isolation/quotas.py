@@ -30,7 +30,7 @@ class Quotas:
     open_files: int = 64
     """Number of files that each process has open at the same time."""
     file_mib: int = 16
-    """Size of each file that it writes [MiB]; in namespaces also of all its files together, in each of two folders."""
+    """Size of its output, and of each file that it writes [MiB]; in namespaces also of all in each of two folders."""
     log_kib: int = 64
     """Size of the output in a match that is kept [KiB]: half of it from the beginning, half from the end."""
     answer_kib: int = 64

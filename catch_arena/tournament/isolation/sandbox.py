@@ -58,20 +58,22 @@ class Log:
 
     def __init__(self, size: int) -> None:
         self._half = size // 2
-        self._first, self._last, self._between = bytearray(), bytearray(), 0
+        self._first, self._last = bytearray(), bytearray()
+        self.printed = 0
+        """Number of bytes that were added."""
 
     def add(self, content: bytes) -> None:
         """Add printed bytes."""
+        self.printed += len(content)
         room = self._half - len(self._first)
         self._first += content[:room]
         self._last += content[room:]
-        if (over := len(self._last) - self._half) > 0:
-            self._between += over
-            del self._last[:over]
+        del self._last[: -self._half]
 
     def text(self) -> str:
         """Return the kept text, with a line in place of bytes that are left out."""
-        gap = f"\n[{self._between} bytes left out]\n".encode() if self._between else b""
+        between = self.printed - len(self._first) - len(self._last)
+        gap = f"\n[{between} bytes left out]\n".encode() if between else b""
         return (self._first + gap + self._last).decode(errors="backslashreplace")
 
     def last_line(self) -> str:
@@ -92,7 +94,7 @@ class AgentProcess:
         self._namespaced = quotas.isolation == "namespaces"
         self._unread = b""
         self._log_open = True
-        self.begin()
+        self.log = Log(quotas.log_kib * _KIB)
         pipes: list[tuple[int, int]] = []
         try:
             pipes.extend(os.pipe() for _ in range(3))
@@ -127,10 +129,6 @@ class AgentProcess:
         for file in (self._line_pipe, self.answer_pipe, self.log_pipe):
             os.set_blocking(file, False)
 
-    def begin(self) -> None:
-        """Begin a match, with a new log."""
-        self.log = Log(self._quotas.log_kib * _KIB)
-
     def files(self) -> tuple[int, ...]:
         """Return the descriptors to poll: answers, and printed text while the log is open."""
         return (self.answer_pipe, self.log_pipe) if self._log_open else (self.answer_pipe,)
@@ -164,6 +162,9 @@ class AgentProcess:
         if not end:
             return None
         self._unread = b""
+        self.read_log()  # all that it printed before this answer
+        if self.log.printed > self._quotas.file_mib << 20:
+            return Fault("FORFEIT_ILLEGAL", f"printed more than {self._quotas.file_mib} MiB (file_mib)")
         return line
 
     def read_log(self) -> bool:
@@ -237,8 +238,8 @@ class Sandbox(AbstractContextManager["Sandbox"]):
             process = AgentProcess(spec, self.quotas)
         else:
             self._waiting.remove(process)
+            process.log = Log(self.quotas.log_kib * _KIB)
         self._playing.append(process)
-        process.begin()
         return process
 
     def end(self, process: AgentProcess) -> None:

@@ -60,7 +60,7 @@ AGENTS = {
     "leaves_a_child": source(reset=LEAVES_A_CHILD, before="import os\n"),
     "is_slow": source("time.sleep(0.05)\nreturn 0", before="import time\n"),
     "prints_without_end": source(
-        "for _ in range(10):\n    print('x' * 1_000_000, end='')\nprint('the end of step', self.step)\nreturn 0",
+        "print('x' * 250_000, 'the end of step', self.step)\nreturn 0",
         "print('the first line')",
     ),
     "spies": source(
@@ -160,14 +160,18 @@ def test_what_it_takes_over_a_step_comes_out_of_its_bank(sandbox, played):
     assert spent.total_s - spent.moves * 0.01 > 0.2  # and not before
 
 
-def test_what_it_prints_is_kept_from_the_beginning_and_the_end_and_costs_it_nothing_else(sandbox, played):
+def test_what_it_prints_is_kept_from_the_beginning_and_the_end_up_to_a_limit(sandbox, played):
     result = played(sandbox, "prints_without_end", "nearest")
     assert result.forfeit_codes == (None, None)
     assert len(result.logs[0]) < 66_000
     assert result.logs[0].startswith("the first line\nxxx")
-    assert result.logs[0].endswith("xxxthe end of step 40\n")
+    assert result.logs[0].endswith("xxx the end of step 40\n")
     assert re.search(r"\n\[\d+ bytes left out\]\n", result.logs[0])
     assert result.logs[1] == ""
+    with Sandbox(replace(PATIENT, file_mib=1, isolation=sandbox.quotas.isolation)) as within:
+        result = played(within, "prints_without_end", "nearest")
+    assert str(result.forfeits[0]) == "FORFEIT_ILLEGAL in step 5: printed more than 1 MiB (file_mib)"
+    assert result.logs[0].endswith("xxx the end of step 5\n")
 
 
 @pytest.mark.parametrize("closing", ["sys.stdout.close()", "sys.stderr.close()", "sys.stdout.detach()"])
