@@ -112,4 +112,4 @@ def _node_grading(exercise: GradingSpec, students: ClassOptions, service: NodeUn
         raise ConfigError(f"{exercise.path}: {error}") from None
     worker = Worker(exercise.tests[0].config, ())
     grade_one = partial(grade_node_of, worker, exercise, partial(service.node, f"{SERVICE}/catch_turtle"))
-    return grade_one, spec_key(exercise, Quotas(), ()), Executor(worker)
+    return grade_one, spec_key(exercise, Quotas(), ()), Executor()

@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, ClassVar
 
@@ -47,6 +48,8 @@ def check_agent(
     The exit code is 1 if it would forfeit, else 0.
     """
     from catch_arena.tournament.agent_check import check_fitness
+    from catch_arena.tournament.execution.block_queue import do_here
+    from catch_arena.tournament.match_loop import play_entrants
 
     arenas = {name: Arena(name, settings).config() for name in scenarios or SCENARIOS}
     quotas = trust.quotas()
@@ -54,7 +57,7 @@ def check_agent(
     with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
         (entrant,) = enter([agent], sandbox)
         print_level(quotas, [entrant.spec])
-        for finding in check_fitness(entrant, arenas, sandbox, show):
+        for finding in check_fitness(entrant, arenas, sandbox, show, partial(do_here, play_entrants)):
             errors += finding.level == "error"
             echo(f"{finding.level + ':':9}" + finding.text.replace("\n", "\n" + " " * 9))
     if errors:
@@ -173,6 +176,7 @@ def _grade_agent(
     exercise: GradingSpec, agent: str, trust: Trust, service: NodeUnderTestOptions
 ) -> "tuple[str, str, list[TestGrade]]":
     """Play the tests, print each grade, and return the agent's name and digest, and the grades."""
+    from catch_arena.tournament.execution.block_queue import do_here
     from catch_arena.tournament.grading import enter_opponents, grade_agent
 
     service.refuse()
@@ -184,7 +188,7 @@ def _grade_agent(
         print_level(quotas, [student.spec])
         for test, opponents in zip(exercise.tests, rivals, strict=True):
             with progress_bar(test.name, test.matches) as show:
-                grade, _ = grade_agent(exercise, test, student, opponents, sandbox, show)
+                grade, _ = do_here(grade_agent, exercise, test, student, opponents, sandbox, show)
             grades.append(grade)
             echo(str(grade))
     return student.name, student.digest, grades

@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -43,6 +42,7 @@ def match(
 
     Give one agent for each hunter, or for each team if there are teams, and then one for each prey.
     """
+    from catch_arena.tournament.execution.block_queue import do_here
     from catch_arena.tournament.match_loop import play_entrants
 
     config, quotas = arena.config(), trust.quotas()
@@ -56,16 +56,16 @@ def match(
             f"number of agents must be {len(parties)}, to {parties.task} of {arena.scenario}, got {len(entrants)}"
         )
     drawn = arena_seed(seed)
-    steps = count()
     with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
-        result = play_entrants(
+        result = do_here(
+            play_entrants,
             config,
             drawn,
             entrants,
             sandbox,
             title=arena.scenario,
             record=target,
-            watch=lambda _: show(min(next(steps), config.max_steps), config.max_steps),
+            watch=lambda env: show(env.world().step, config.max_steps),
         )
     names = [entrant.on(parties.side_of(party)).name for party, entrant in enumerate(entrants)]
     print_result(parties, result, names)

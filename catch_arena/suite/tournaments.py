@@ -7,6 +7,7 @@ from pathlib import Path
 from catch_arena.suite.contents import Suite
 from catch_arena.tournament.agent_spec import is_shipped
 from catch_arena.tournament.entrants import Entrant
+from catch_arena.tournament.execution.block_queue import do_here
 from catch_arena.tournament.execution.executors import Worker, local_executor
 from catch_arena.tournament.execution.runner import Setup
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -39,7 +40,7 @@ def cannot_play(suite: Suite, agent: Entrant, sandbox: Sandbox | None) -> Iterat
     (idle,) = enter(["idle"])
     for one in suite.scenarios:
         entrants = [agent] + [idle] * (len(Parties.of(one.config)) - 1)
-        result = play_entrants(one.config, suite.seed, entrants, sandbox, most_steps=1)
+        result = do_here(play_entrants, one.config, suite.seed, entrants, sandbox, most_steps=1)
         if (forfeit := result.forfeits[0]) is not None:
             yield one.name, forfeit.reason
 

@@ -30,6 +30,7 @@ def check_fitness(
     arenas: Mapping[str, ArenaConfig],
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
+    play_match: Callable[..., MatchResult] = play_entrants,
 ) -> Iterator[Finding]:
     """Yield the findings about an agent that plays against itself; `progress` gets (done, total) before each match.
 
@@ -37,7 +38,7 @@ def check_fitness(
     """
 
     def play(config: ArenaConfig) -> MatchResult:
-        return play_entrants(config, 0, [entrant] * len(Parties.of(config)), sandbox)
+        return play_match(config, 0, [entrant] * len(Parties.of(config)), sandbox)
 
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(entrant.log)}")

@@ -20,10 +20,9 @@ from tournament.agents import source
 import catch_arena
 from catch_arena.classroom.grading import Graded, grade_class, worst_match
 from catch_arena.classroom.submissions import find_submissions
-from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.tournament.execution import block_queue
-from catch_arena.tournament.execution.executors import Executor, Worker
+from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.grading import GradedMatch
 from catch_arena.tournament.match import Forfeit, MatchResult
 from catch_arena.tournament.store import only_one_plays_in
@@ -256,7 +255,7 @@ def test_a_failure_on_our_side_is_tried_again_and_costs_no_other_submission(tmp_
             raise MatchFailedError("the disk is full")
         return Graded(name=submission.name, digest="", grades=())
 
-    executor = Executor(Worker(ArenaConfig(), ()))
+    executor = Executor()
     found = {one.name: one.fault for one, _ in grade_class(submissions, grade, executor, tmp_path / "out", "key")}
     assert found == {"a": "the disk is full" if failures == 3 else None, "b": None, "c": None}
     assert sorted(tried) == ["a"] * min(3, 1 + failures) + ["b", "c"]

@@ -12,9 +12,11 @@ from command_line import run
 from isolation_levels import LEVELS
 
 from catch_arena.cli.options import Arena
-from catch_arena.errors import ConfigError
+from catch_arena.errors import ConfigError, MatchFailedError
 from catch_arena.scenarios import scenario
+from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.isolation.namespaces import level_line
+from catch_arena.tournament.players import Players
 
 ROOT = Path(__file__).parents[2]
 QUICK = ["--scenario", "duel", "--set", "time_limit_s=3"]
@@ -135,6 +137,29 @@ def test_a_match_that_cannot_be_held_is_told_in_one_line_with_what_is_kept(catch
     assert result.exit_code == 2
     *_, error = result.stderr.splitlines()
     assert re.match("error: match r00001-g000001-s00 or .* failed 3 times: a worker process died: .*; what was", error)
+
+
+@pytest.mark.parametrize("words", [["match", "idle"], ["check-agent"], ["grade", "--spec", "spec.toml"]])
+def test_a_match_that_fails_on_our_side_is_played_three_times_at_most(catch_arena, tmp_path, monkeypatch, words):
+    (tmp_path / "spec.toml").write_text('title = "t"\nmatches = 1\n[[test]]\nname = "t"\nscenario = "capstone"\n')
+    command = [*words, "nearest", *([] if "grade" in words else QUICK)]
+    whole, failures = catch_arena(*command, "--trusted"), []
+
+    def fails(self, *given):
+        if len(failures) < most:
+            failures.append(self)
+            raise MatchFailedError("it stood still")
+        return whole_reset(self, *given)
+
+    whole_reset = Players.reset
+    monkeypatch.setattr(block_queue, "_PAUSE_S", 0.0)
+    monkeypatch.setattr(Players, "reset", fails)
+    most = 2
+    assert catch_arena(*command, "--trusted").exit_code == whole.exit_code == 0
+    most = 5
+    failed = catch_arena(*command, "--trusted")
+    assert (failed.exit_code, len(failures)) == (2, 5)
+    assert failed.stderr == "error: it stood still\n"
 
 
 def test_it_plays_until_the_order_is_clear_or_the_budget_is_spent(catch_arena):

@@ -130,11 +130,11 @@ def test_resume_keeps_the_secret():
 class Breaks(Executor):
     """Executor that is interrupted in the second match of a block."""
 
-    def submit(self, matches, excluded):
+    def run(self, work, matches, excluded):
         if matches[0].block == 1:
-            super().submit(matches[:1], excluded)
+            super().run(work, matches[:1], excluded)
             raise KeyboardInterrupt
-        return super().submit(matches, excluded)
+        return super().run(work, matches, excluded)
 
 
 def test_no_replay_of_a_block_lies_there_before_it_has_ended(tmp_path):

@@ -67,9 +67,9 @@ class Notes(Executor):
         super().__init__(Worker(SHORT, ENTRANTS))
         self.blocks = []
 
-    def submit(self, matches, excluded):
+    def run(self, work, matches, excluded):
         self.blocks.append(matches)
-        return super().submit(matches, excluded)
+        return super().run(work, matches, excluded)
 
 
 def test_what_is_played_is_what_was_not_kept_in_the_order_of_the_plan(store, played):

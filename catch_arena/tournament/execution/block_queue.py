@@ -7,8 +7,9 @@ import time
 from collections import Counter
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
+from functools import partial
 from itertools import islice
-from typing import Final, TypeVar
+from typing import Any, Final, TypeVar
 
 from catch_arena.errors import MatchFailedError
 from catch_arena.tournament.execution.executors import Executor, RecordedMatch
@@ -77,6 +78,15 @@ def do_in_order(
             begun[task] = begin(task)
 
 
+def do_here(work: Callable[..., _Result], *arguments: Any, **options: Any) -> _Result:
+    """Do a task in this process, as `do_in_order` does it; raise the MatchFailedError of the last try."""
+    here = Executor()
+    ((_, result),) = do_in_order([work], here, lambda task: here.run(partial(task, *arguments, **options)))
+    if isinstance(result, MatchFailedError):
+        raise result
+    return result
+
+
 class ForfeitStreaks:
     """Number of matches that each entrant has forfeited in a row: `most` of them exclude it; 0 is no limit.
 
@@ -117,7 +127,7 @@ def play_blocks(blocks: Iterable[Block], executor: Executor, streaks: ForfeitStr
 
     def begin(block: Block) -> Future[list[RecordedMatch]]:
         excluded[block] = streaks.excluded_from(block)
-        return executor.submit(block, excluded[block])
+        return executor.run(executor.worker.play_block, block, excluded[block])
 
     def is_outdated(block: Block) -> bool:
         return excluded[block] != streaks.excluded_from(block)

@@ -39,10 +39,10 @@ def measure_cost(worker: Worker, plan: Plan) -> Cost | None:
     try:
         # a trusted agent may end the process that it plays in
         with ProcessExecutor(worker, 1) if foreign else Executor(worker) as executor:
-            executor.result(executor.submit(block[:1], {}))  # the first one loads and compiles
+            executor.result(executor.run(worker.play_block, block[:1], {}))  # the first one loads and compiles
             for match in block:
                 begin = time.perf_counter()
-                ((_, replay),) = executor.result(executor.submit([match], {}))
+                ((_, replay),) = executor.result(executor.run(worker.play_block, [match], {}))
                 seconds += time.perf_counter() - begin
                 sizes.append(len(replay))
                 if seconds > _SAMPLE_S:

@@ -7,14 +7,13 @@ import hashlib
 import multiprocessing
 import os
 import signal
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from concurrent.futures import Future, ProcessPoolExecutor
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from functools import cache
 from io import BytesIO
-from threading import Thread
 from typing import Any, Final, TypeVar
 
 from catch_arena.config import ArenaConfig
@@ -83,8 +82,11 @@ def _sandbox(quotas: Quotas) -> Sandbox:
     return Sandbox(quotas)
 
 
+_NO_MATCHES: Final = Worker(ArenaConfig(), ())  # for an executor of other tasks
+
+
 class Executor(AbstractContextManager["Executor"]):
-    """Executor of one block after the other, in this process; its subclasses play several in parallel.
+    """Executor of one block or other task after the other, in this process; its subclasses do several in parallel.
 
     Use it as a context manager: its exit ends all processes.
     """
@@ -92,13 +94,9 @@ class Executor(AbstractContextManager["Executor"]):
     max_pending = 1
     """Number of blocks that are begun before the first is waited for: enough to keep all workers busy."""
 
-    def __init__(self, worker: Worker) -> None:
+    def __init__(self, worker: Worker = _NO_MATCHES) -> None:
         self.worker = worker
         """Worker that plays each match; it may be replaced while no match is played."""
-
-    def submit(self, matches: Sequence[Match], excluded: Mapping[int, Fault]) -> Future[list[RecordedMatch]]:
-        """Play these matches, without the entrants that are `excluded`, now or when a process is idle."""
-        return self.run(self.worker.play_block, matches, excluded)
 
     def run(self, work: Callable[..., _Result], *arguments: Any) -> Future[_Result]:
         """Call a function, now or when a process is idle; it and its arguments can be sent to another process."""
@@ -194,10 +192,13 @@ def _begin_process() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(signal, "pthread_sigmask"):
         signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    parent = multiprocessing.parent_process()
+    if parent is None or not hasattr(signal, "SIGIO"):  # Windows
+        return
+    import fcntl
 
-    def end_with_parent() -> None:
-        if (parent := multiprocessing.parent_process()) is not None:
-            parent.join()
+    signal.signal(signal.SIGIO, lambda *_: os._exit(1))
+    fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, os.getpid())  # a pipe that ends with the parent, and raises SIGIO then
+    fcntl.fcntl(parent.sentinel, fcntl.F_SETFL, fcntl.fcntl(parent.sentinel, fcntl.F_GETFL) | os.O_ASYNC)
+    if not parent.is_alive():
         os._exit(1)
-
-    Thread(target=end_with_parent, daemon=True).start()

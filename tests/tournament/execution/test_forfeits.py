@@ -63,7 +63,7 @@ class Shuffled:
         self.played = 0
         self.worker = Worker(CONFIG, field.entrants)
 
-    def submit(self, block, out):
+    def run(self, _work, block, out):
         future = Future()
         self.begun[future] = block, dict(out)
         return future
@@ -217,9 +217,9 @@ def test_a_slow_block_holds_the_rest_back_before_they_fill_the_memory():
     blocks = [(Match(str(number), number, 1, (0, 1, 2)),) for number in range(400)]
 
     class OneIsSlow(Shuffled):
-        def submit(self, block, out):
+        def run(self, work, block, out):
             begun.append(block)
-            return super().submit(block, out)
+            return super().run(work, block, out)
 
         def wait(self, futures, return_when=ALL_COMPLETED):
             first, *others = futures
