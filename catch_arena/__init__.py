@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     from catch_arena.policy import PreyView as PreyView
     from catch_arena.policy import View as View
     from catch_arena.replay import Replay as Replay
+    from catch_arena.ros.arena_service import ArenaService as ArenaService
     from catch_arena.scenarios import SCENARIOS as SCENARIOS
     from catch_arena.scenarios import scenario as scenario
-    from catch_arena.service import ArenaService as ArenaService
     from catch_arena.verdicts import Ruling as Ruling
     from catch_arena.verdicts import Verdict as Verdict
     from catch_arena.world import World as World
@@ -53,8 +53,8 @@ _NAMES = {
     "layout": ("columns",),
     "player": ("Replay",),  # it is defined in replay/; importing the player adds its view in notebooks
     "policy": ("Limits", "Policy", "PreyLimits", "PreyPolicy", "PreyView", "View"),
+    "ros.arena_service": ("ArenaService",),
     "scenarios": ("SCENARIOS", "scenario"),
-    "service": ("ArenaService",),
     "verdicts": ("Ruling", "Verdict"),
     "world": ("World",),
 }

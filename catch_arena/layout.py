@@ -14,6 +14,7 @@ from typing import Annotated, Any, Final, NamedTuple
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import require_type
+from catch_arena.world import HunterState, TargetState, World
 
 _FARTHEST_BLUR: Final = 3.4642
 """R7.6: greatest error of a seen position, in standard deviations."""
@@ -292,3 +293,25 @@ def state_columns(config: ArenaConfig) -> tuple[Column, ...]:
             for name in names
         ),
     )
+
+
+def state_values(world: World, config: ArenaConfig) -> list[float]:
+    """R7.3: return a world as the numbers of `state_columns`, in their order."""
+    values: list[float] = [max(0.0, (config.time_limit_ms - world.time_ms) / 1000.0)]
+    for hunter in world.hunters:
+        values += [*_body(hunter), hunter.score, hunter.withdrawn]
+    for target in world.targets:
+        values += [1.0, target.x, target.y, (world.time_ms - target.spawned_ms) / 1000.0]
+        if config.targets_move:
+            values += [math.cos(target.theta), math.sin(target.theta), target.linear_velocity]
+    of_target = 7 if config.targets_move else 4
+    values += [0.0] * of_target * (config.max_targets - len(world.targets))
+    played = {target.prey: target for target in world.targets}
+    for prey in world.prey:
+        values += [1.0, *_body(played[prey.name])] if prey.name in played else [0.0] * 7  # it is out
+        values += [prey.times_caught, prey.withdrawn]
+    return values
+
+
+def _body(of: HunterState | TargetState) -> tuple[float, ...]:
+    return of.x, of.y, math.cos(of.theta), math.sin(of.theta), of.linear_velocity, of.angular_velocity

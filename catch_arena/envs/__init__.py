@@ -2,7 +2,5 @@
 
 - parallel: PettingZoo's parallel environment. aec: PettingZoo's AEC environment. vector: VectorArena.
 - actions: check of the agents' actions. results: dictionaries that agents get. spaces: spaces of both.
-- display: frames, a window, a notebook.
-- global_state: R7.3's view of a whole arena.
 - registration: every scenario under a name of PettingZoo's, once it is imported.
 """

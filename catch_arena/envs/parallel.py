@@ -19,14 +19,13 @@ from catch_arena.core import rows
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.actions import ActionReader, checked_action
-from catch_arena.envs.display import RENDER_MODES, Display, notebook_html
-from catch_arena.envs.global_state import state_vector
 from catch_arena.envs.results import Infos, Results, of_agents
 from catch_arena.envs.spaces import action_space, observation_space, vector_space
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError, EpisodeError
-from catch_arena.layout import observation_size, prey_columns, state_columns
+from catch_arena.layout import observation_size, prey_columns, state_columns, state_values
 from catch_arena.plain import as_python
+from catch_arena.render.env_display import RENDER_MODES, Display, notebook_html
 from catch_arena.replay import Recorder, Replay
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.text import shortened
@@ -280,7 +279,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     def state(self) -> NDArray[np.float32]:
         """R7.3: return the global state as one float32 vector, in the order of `layout.state_columns`."""
         self._require_episode("state")
-        return state_vector(self._engine.world(), self.config)
+        return np.array(state_values(self._engine.world(), self.config), dtype=np.float32)
 
     def digest(self) -> bytes:
         """A.8: return the digest of the state, eight bytes."""

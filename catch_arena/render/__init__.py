@@ -5,5 +5,6 @@ colours of the agents. `scene`, `annotations`, `captions`, `lens`, `cards`, `gho
 `standings_animation`, `timeline` and `event_feed` describe pictures as shapes, and `blurred_view` computes the beliefs
 of a hunter. `raster`, `sprites` and `text` draw pixels. `timing` computes the instant that a frame shows, `renderer`
 puts frames together, `video` and `encoders` write them to files, and `window` shows them. `highlight_video` and
-`mosaic` write videos of several parts. `optional_imports` is the only module that imports cv2 and pygame.
+`mosaic` write videos of several parts, and `env_display` shows an env. `optional_imports` is the only module that
+imports cv2 and pygame.
 """

@@ -4,10 +4,10 @@ from ros.local import Hub
 
 from catch_arena.core.physics import TICK_MS
 from catch_arena.messages import CatchTurtleRequest
+from catch_arena.ros.arena_service import ArenaService
 from catch_arena.ros.middleware.interfaces import TWIST, Interfaces, TwistMessage
 from catch_arena.ros.nodes.agents import AgentSeats
 from catch_arena.ros.nodes.arena_node import ArenaNode
-from catch_arena.service import ArenaService
 from catch_arena.tournament.players import Players
 
 TYPES = Interfaces()

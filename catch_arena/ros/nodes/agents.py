@@ -9,8 +9,8 @@ from catch_arena.envs.actions import checked_action
 from catch_arena.errors import ActionError
 from catch_arena.messages import CatchTurtleRequest, Twist
 from catch_arena.policy import Limits
+from catch_arena.ros.arena_service import ArenaService
 from catch_arena.ros.middleware.bus import Log
-from catch_arena.service import ArenaService
 from catch_arena.text import one_line
 from catch_arena.tournament.match import Move
 from catch_arena.tournament.players import Players

@@ -7,6 +7,7 @@ from typing import Any, Final
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ActionError, BusError, EpisodeError
 from catch_arena.messages import CatchTurtleRequest, CatchTurtleResponse, TurtleArray
+from catch_arena.ros.arena_service import ArenaService
 from catch_arena.ros.middleware import graph_names
 from catch_arena.ros.middleware.bus import Bus, Log, OnceLog, Request
 from catch_arena.ros.middleware.interfaces import (
@@ -28,7 +29,6 @@ from catch_arena.ros.middleware.interfaces import (
 from catch_arena.ros.nodes.agents import AgentSeats
 from catch_arena.ros.nodes.neighbours import Neighbours, remapping_to, run_line
 from catch_arena.ros.nodes.seats import RosSeat
-from catch_arena.service import ArenaService
 from catch_arena.tournament.match import ranks_of
 from catch_arena.world import World
 

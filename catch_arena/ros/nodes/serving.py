@@ -11,12 +11,12 @@ from catch_arena import interrupts
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
+from catch_arena.ros.arena_service import ArenaService
 from catch_arena.ros.middleware.bus import Bus, Log
 from catch_arena.ros.middleware.interfaces import Interfaces
 from catch_arena.ros.nodes.agents import AgentSeats
 from catch_arena.ros.nodes.arena_node import ArenaNode
 from catch_arena.ros.nodes.rate import Rate
-from catch_arena.service import ArenaService
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import sandbox_for

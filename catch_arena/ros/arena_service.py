@@ -1,6 +1,6 @@
 """Rulebook chapter 8: the arena with the interface of the ROS 2 exercise: names and Twists.
 
-ros/nodes plays on it.
+`nodes` plays on it; it needs no ROS.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
