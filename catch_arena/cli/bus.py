@@ -1,6 +1,5 @@
 """Options for a ROS 2 bus and its packages, shared by all commands that exchange messages with nodes."""
 
-import re
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
@@ -12,15 +11,13 @@ from catch_arena.cli.options import ConditionalOptions
 from catch_arena.cli.terminal import echo
 from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
+from catch_arena.ros.middleware.graph_names import SERVICE_NAME, checked_name
 from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
 from catch_arena.ros.middleware.opening import BRIDGE_URL, describe_bus, open_bus
-from catch_arena.text import shortened
 
 if TYPE_CHECKING:
     from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
-_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
-SERVICE_NAME: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 SERVICE: Final = "ros:"
 """Prefix of a word that names a node's service: ros:/catch_turtle."""
 Interface = Annotated[
@@ -101,12 +98,3 @@ class NodeUnderTestOptions(ConditionalOptions):
         bus = Bus(interfaces=self.interfaces, bus=self.bus)
         with bus.joined("catch_arena") as joined:
             yield NodeUnderTest(joined, service, joined.interfaces(bus.types), lambda line: echo(line, err=True))
-
-
-def checked_name(setting: str, name: str, example: str) -> str:
-    """Return a valid name of a turtle or a package, or its beginning; an invalid name of a turtle ends turtlesim."""
-    if not _NAME.fullmatch(name):
-        raise ConfigError(
-            f"{setting} must be letters, digits and underscores, such as {example}, got {shortened(name)}"
-        )
-    return name

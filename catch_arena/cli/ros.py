@@ -1,7 +1,7 @@
 """`catch-arena ros`: the arena and our own nodes on a ROS 2 bus, matches as bags of rosbag2, and bags as videos."""
 
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection
 from contextlib import closing
 from importlib.util import find_spec
 from pathlib import Path
@@ -11,7 +11,7 @@ import typer
 from typer.core import TyperCommand
 
 from catch_arena.cli.app import EXIT_NO, Commands, Program, main
-from catch_arena.cli.bus import SERVICE_NAME, Bus, Packages, checked_name
+from catch_arena.cli.bus import Bus, Packages
 from catch_arena.cli.matches import print_ranking
 from catch_arena.cli.options import (
     Arena,
@@ -27,13 +27,14 @@ from catch_arena.cli.outputs import REPLAY, VIDEO, VIDEO_HELP, Force, output_opt
 from catch_arena.cli.replays import Picture, load_replay, write_video
 from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.config import ArenaConfig
-from catch_arena.errors import AgentError, BusError, ConfigError, install_hint, suggest
+from catch_arena.errors import AgentError, BusError, ConfigError, install_hint
 from catch_arena.ros.doctor import examine
-from catch_arena.ros.middleware.graph_names import TURTLE
+from catch_arena.ros.middleware.graph_names import SERVICE_NAME, TURTLE, checked_name
+from catch_arena.ros.nodes.parameters import parameters_from
 from catch_arena.ros.nodes.rate import tick_until_signal
 from catch_arena.scenarios import SCENARIOS
 from catch_arena.seeding import arena_seed
-from catch_arena.text import name_fault, shortened
+from catch_arena.text import name_fault
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.players import Players
@@ -65,8 +66,6 @@ _ROS_ARGS: Final = "--ros-args"
 _SPAWN_FREQUENCY: Final = "spawn_frequency"
 _NAME_PREFIX: Final = "turtle_name_prefix"
 _CLOSEST_FIRST: Final = "catch_closest_turtle_first"
-_KINDS: Final = {bool: "true or false", float: "a number", str: "a text"}
-_Value = bool | float | str
 _RosArgs = Annotated[
     list[str] | None,
     typer.Option(
@@ -366,28 +365,3 @@ def _arena(scenario: str | None, settings: list[str] | None, seats: Collection[i
 def _require_rosbags() -> None:
     if find_spec("rosbags") is None:
         raise BusError(f"bags need rosbags, which is not installed: {install_hint('ros')}")
-
-
-def parameters_from(words: Sequence[str] | None, defaults: Mapping[str, _Value]) -> dict[str, _Value]:
-    """Return a node's parameters by name; of several values the last one counts.
-
-    `words` are the arguments after --ros-args. A value must have the type of the parameter's default.
-    """
-    values = dict(defaults)
-    rest = iter(words or ())
-    for word in rest:
-        text = next(rest, None)
-        if word not in {"-p", "--param"} or text is None:
-            raise ConfigError(f"--ros-args must be -p NAME:=VALUE, such as -p {_SPAWN_FREQUENCY}:=2.0, got {word!r}")
-        name, sign, value = text.partition(":=")
-        if not name or not sign:
-            raise ConfigError(f"--ros-args -p must be NAME:=VALUE, such as {_SPAWN_FREQUENCY}:=2.0, got {text!r}")
-        if name not in values:
-            known = suggest(name, values) if values else "this node has none"
-            raise ConfigError(f"there is no parameter {shortened(name)}: {known}")
-        kind = type(values[name])
-        try:
-            values[name] = {"true": True, "false": False}[value.lower()] if kind is bool else kind(value)
-        except (KeyError, ValueError):
-            raise ConfigError(f"{name} must be {_KINDS[kind]}, got {shortened(value)}") from None
-    return values

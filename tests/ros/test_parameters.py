@@ -2,8 +2,8 @@
 
 import pytest
 
-from catch_arena.cli.ros import parameters_from
 from catch_arena.errors import ConfigError
+from catch_arena.ros.nodes.parameters import parameters_from
 
 FREQUENCY, PREFIX, CLOSEST = "spawn_frequency", "turtle_name_prefix", "catch_closest_turtle_first"
 DEFAULTS = {FREQUENCY: 0.5, PREFIX: "target_turtle_", CLOSEST: False}

@@ -1,6 +1,13 @@
 """Names of the topics and services of a match: the exercise's, turtlesim's, and our own."""
 
+import re
 from typing import Final
+
+from catch_arena.errors import ConfigError
+from catch_arena.text import shortened
+
+SERVICE_NAME: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
+_NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 TURTLE: Final = "turtle1"
 """The one hunter of the exercise, and turtlesim's first turtle."""
@@ -39,3 +46,12 @@ def set_pen_of(turtle: str) -> str:
 def catch_turtle_of(turtle: str) -> str:
     """Return a hunter's own catch service."""
     return f"/{turtle}{CATCH_TURTLE}"
+
+
+def checked_name(setting: str, name: str, example: str) -> str:
+    """Return a valid name of a turtle or a package, or its beginning; an invalid name of a turtle ends turtlesim."""
+    if not _NAME.fullmatch(name):
+        raise ConfigError(
+            f"{setting} must be letters, digits and underscores, such as {example}, got {shortened(name)}"
+        )
+    return name
