@@ -5,6 +5,7 @@ of the conformance suite. docs/howto/conformance.md has examples.
 import time
 from collections.abc import Callable, Sequence
 from math import inf
+from typing import Final
 
 from catch_arena.conformance.adjudicator_calls import DiffersError, NoRuling, time_limit
 from catch_arena.conformance.arbiter_runner import Arbiter, ArbiterRunner, with_any_lots
@@ -16,6 +17,9 @@ from catch_arena.conformance.results import Diagnosis, Failure, Result
 from catch_arena.errors import ConfigError, suggest
 
 __all__ = ["Arbiter", "ArenaUnderTest", "Diagnosis", "Failure", "Report", "Result", "run_conformance", "select_cases"]
+
+_MOST_LATE: Final = 3
+"""Number of late cases after which no other case is played."""
 
 
 def run_conformance(
@@ -36,7 +40,8 @@ def run_conformance(
         only: ids of cases, or beginnings of ids; () means all cases.
         evidence: false to compare verdicts alone.
         exact_lots: true to require the lots of the rulebook's appendix; else any of the tied hunters may win.
-        limit_s: time limit of a case [s]; with None, an endless loop is never ended.
+        limit_s: time limit of a case [s]; after three late cases the others are not played. With None, an endless loop
+            is never ended.
         progress: called with (done, total) after each case.
 
     Returns:
@@ -51,8 +56,12 @@ def run_conformance(
     if limit_s is not None and not 0 < limit_s < inf:
         raise ConfigError(f"limit_s must be a positive number of seconds, got {limit_s!r}")
     compared: Compared = "evidence" if evidence else "verdicts"
-    cases, results = select_cases(only), []
+    cases, results = select_cases(only), list[Result]()
     for case in cases:
+        if limit_s is not None and sum(one.seconds >= limit_s for one in results) == _MOST_LATE:
+            why = f"not played after {_MOST_LATE} cases without an answer within {limit_s:g} s"
+            results.append(Result(case, None, 0.0, why))
+            continue
         runners: list[ArbiterRunner | ArenaRunner] = []
         if adapter is not None and isinstance(case, ArbiterCase):
             runners.append(ArbiterRunner(adapter, case if exact_lots else with_any_lots(case), compared))

@@ -16,7 +16,7 @@ from catch_arena.files import write_whole
 from catch_arena.tournament.loading import load_file, load_module
 
 _LIMIT_S = 60.0
-"""Time limit of a case [s]; a case that takes longer fails."""
+"""Time limit of a case [s]; a case that takes longer fails, and after three of them no other is played."""
 
 
 @main.command()
@@ -119,6 +119,6 @@ def _callable(spec: str) -> Any:
         module = load_module(module_name)
     found = getattr(module, name, None)
     if not callable(found):
-        known = [other for other in dir(module) if not other.startswith("_")]
+        known = [other for other, value in vars(module).items() if callable(value) and not other.startswith("_")]
         raise AgentError(f"{spec}: has no function {name}; {suggest(name, known)}")
     return found

@@ -216,6 +216,8 @@ def test_an_arbiter_that_never_answers_is_interrupted_where_it_stands():
     assert re.fullmatch(
         r"none: it raised TimeoutError: no answer within 1 s \(test_answers.py, line \d+\)", difference.got
     )
+    report = run_conformance(loops, only=["claimants"], limit_s=0.1)
+    assert re.fullmatch(r"cases: 0 passed, 3 failed, \d+ not played after 3 cases .* within 0.1 s", report.summary)
 
 
 @pytest.mark.parametrize("limit_s", [0, -1.0, float("nan"), float("inf")])

@@ -308,7 +308,7 @@ KNOWN: dict[str, PlainArbiter] = {
     "the nearest target is caught, not the requested one": PlainArbiter(far=far_from_all),
     "a withdrawn hunter nearby wins without a request": PlainArbiter(decide=guarded),
     "refused requests win contests": PlainArbiter(decide=refused_compete),
-    "reach is tested with <=": PlainArbiter(within=lambda self, um, _: um <= max(1, self.whole(self.reach_m))),
+    "reach is tested with <=": PlainArbiter(within=lambda self, um, _: um <= self.whole(self.reach_m)),
     "reach is tested in floats": PlainArbiter(within=lambda self, _, metres: metres < self.reach_m),
     "reach is tested in floats, with <=": PlainArbiter(within=lambda self, _, metres: metres <= self.reach_m),
     "reach is not tested": PlainArbiter(within=lambda *_: True),
