@@ -1,4 +1,4 @@
-"""Names of the topics and services of a match: the exercise's, turtlesim's, and our own."""
+"""Names of the topics and services of a match: the exercise's, turtlesim's, and our own; checks of given names."""
 
 import re
 from typing import Final

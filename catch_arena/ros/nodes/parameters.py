@@ -15,15 +15,15 @@ def parameters_from(words: Sequence[str] | None, defaults: Mapping[str, Value]) 
 
     `words` are the arguments after --ros-args. A value must have the type of the parameter's default.
     """
-    values = dict(defaults)
-    rest = iter(words or ())
+    values, rest = dict(defaults), iter(words or ())
+    example = next((f"{name}:={value}".lower() for name, value in defaults.items()), "NAME:=VALUE")
     for word in rest:
         text = next(rest, None)
         if word not in {"-p", "--param"} or text is None:
-            raise ConfigError(f"--ros-args must be -p NAME:=VALUE, such as -p spawn_frequency:=2.0, got {word!r}")
+            raise ConfigError(f"--ros-args must be -p NAME:=VALUE, such as -p {example}, got {word!r}")
         name, sign, value = text.partition(":=")
         if not name or not sign:
-            raise ConfigError(f"--ros-args -p must be NAME:=VALUE, such as spawn_frequency:=2.0, got {text!r}")
+            raise ConfigError(f"--ros-args -p must be NAME:=VALUE, such as {example}, got {text!r}")
         if name not in values:
             known = suggest(name, values) if values else "this node has none"
             raise ConfigError(f"there is no parameter {shortened(name)}: {known}")
