@@ -19,6 +19,7 @@ from typing import Any, Final, TypeVar
 from catch_arena.config import ArenaConfig
 from catch_arena.engine import Engine
 from catch_arena.errors import MatchFailedError
+from catch_arena.interrupts import LINUX
 from catch_arena.streams import outlive_readers
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
@@ -190,14 +191,14 @@ def _begin_process() -> None:
     """Ignore Ctrl-C, which the parent process handles, and end when the parent ends for any reason."""
     outlive_readers()
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(signal, "pthread_sigmask"):
-        signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
     parent = multiprocessing.parent_process()
     if parent is None or not hasattr(signal, "SIGIO"):  # Windows
         return
     import fcntl
 
-    signal.signal(signal.SIGIO, lambda *_: os._exit(1))
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
+    # a Python function waits for the end of compiled code; macOS needs one, as it ignores the signal otherwise
+    signal.signal(signal.SIGIO, signal.SIG_DFL if LINUX else lambda *_: os._exit(1))
     fcntl.fcntl(parent.sentinel, fcntl.F_SETOWN, os.getpid())  # a pipe that ends with the parent, and raises SIGIO then
     fcntl.fcntl(parent.sentinel, fcntl.F_SETFL, fcntl.fcntl(parent.sentinel, fcntl.F_GETFL) | os.O_ASYNC)
     if not parent.is_alive():

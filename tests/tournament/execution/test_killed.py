@@ -140,6 +140,32 @@ def test_nothing_outlives_a_tournament_that_is_killed(level, tmp_path):
     assert not any((tmp_path / "temporary").iterdir())
 
 
+COMPUTES = """
+import time
+from itertools import repeat
+from catch_arena.tournament.execution.executors import ProcessExecutor, Worker
+from catch_arena.config import ArenaConfig
+executor = ProcessExecutor(Worker(ArenaConfig(), ()), 1)
+executor.result(executor.run(abs, 1))
+executor.run(sum, repeat(1))
+print("ready", flush=True)
+time.sleep(600)
+"""
+
+
+def test_a_worker_in_compiled_code_that_never_ends_ends_with_its_command():
+    """As in a trusted agent's library: Python runs no handler of a signal there."""
+    with subprocess.Popen([sys.executable, "-c", COMPUTES], stdout=subprocess.PIPE) as process:
+        assert process.stdout.readline() == b"ready\n"
+        relatives = descendants(process.pid)
+        time.sleep(0.5)  # so that it is mostly in that code
+        process.kill()
+    patience = time.monotonic() + 60
+    while any(map(lives, relatives)) and time.monotonic() < patience:
+        time.sleep(0.02)
+    assert not [pid for pid in relatives if lives(pid)]
+
+
 def is_grandchild(pid: int) -> bool:
     with suppress(FileNotFoundError, ProcessLookupError):
         return b"98765" in Path(f"/proc/{pid}/cmdline").read_bytes()
