@@ -1,4 +1,4 @@
-"""Rulebook R7.1: tables of the columns of observations.
+"""Rulebook R7.1, R7.3: tables of the columns of observations and of the global state, and the values of the latter.
 
 The space, the writer (core/observations.py), the named view for scripted agents (policy.py) and
 docs/reference/observation.md are all made from them. The core makes tuples of their fields.

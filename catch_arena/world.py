@@ -1,4 +1,4 @@
-"""Typed, read-only state of one arena in the world frame, for people, rendering and the service view."""
+"""Typed, read-only state of one arena in the world frame, for people and rendering."""
 
 from dataclasses import dataclass
 from typing import NamedTuple

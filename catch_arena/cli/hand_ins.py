@@ -55,7 +55,7 @@ def check_agent(
     quotas = trust.quotas()
     errors = 0
     with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
-        (entrant,) = enter([agent], sandbox)
+        (entrant,) = do_here(enter, [agent], sandbox)
         print_level(quotas, [entrant.spec])
         for finding in check_fitness(entrant, arenas, sandbox, show, partial(do_here, play_entrants)):
             errors += finding.level == "error"
@@ -178,17 +178,19 @@ def _grade_agent(
     """Play the tests, print each grade, and return the agent's name and digest, and the grades."""
     from catch_arena.tournament.execution.block_queue import do_here
     from catch_arena.tournament.grading import enter_opponents, grade_agent
+    from catch_arena.tournament.match_loop import play_entrants
 
     service.refuse()
     quotas = trust.quotas()
     grades: list[TestGrade] = []
+    play = partial(do_here, play_entrants)
     with sandbox_for(quotas) as sandbox:
-        rivals = enter_opponents(exercise, sandbox)
-        (student,) = enter([agent], sandbox)
+        rivals = do_here(enter_opponents, exercise, sandbox)
+        (student,) = do_here(enter, [agent], sandbox)
         print_level(quotas, [student.spec])
         for test, opponents in zip(exercise.tests, rivals, strict=True):
             with progress_bar(test.name, test.matches) as show:
-                grade, _ = do_here(grade_agent, exercise, test, student, opponents, sandbox, show)
+                grade, _ = grade_agent(exercise, test, student, opponents, sandbox, show, play)
             grades.append(grade)
             echo(str(grade))
     return student.name, student.digest, grades

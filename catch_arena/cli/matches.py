@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -56,6 +57,7 @@ def match(
             f"number of agents must be {len(parties)}, to {parties.task} of {arena.scenario}, got {len(entrants)}"
         )
     drawn = arena_seed(seed)
+    steps = count()
     with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
         result = do_here(
             play_entrants,
@@ -65,7 +67,7 @@ def match(
             sandbox,
             title=arena.scenario,
             record=target,
-            watch=lambda env: show(env.world().step, config.max_steps),
+            watch=lambda _: show(min(next(steps), config.max_steps), config.max_steps),
         )
     names = [entrant.on(parties.side_of(party)).name for party, entrant in enumerate(entrants)]
     print_result(parties, result, names)

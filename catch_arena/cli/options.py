@@ -230,8 +230,10 @@ def enter_agents(specs: Sequence[str], quotas: Quotas | None) -> tuple[Entrant, 
 
     A warning is printed for each agent that cannot play. Without quotas all are trusted.
     """
+    from catch_arena.tournament.execution.block_queue import do_here
+
     with sandbox_for(quotas) as sandbox, progress_bar("loading agents") as show:
-        entrants = enter(specs, sandbox, show)
+        entrants = do_here(enter, specs, sandbox, show)
     print_level(quotas, [entrant.spec for entrant in entrants])
     for entrant in entrants:
         if entrant.fault is not None:

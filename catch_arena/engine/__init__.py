@@ -1,7 +1,7 @@
 """The engine: arenas of one config in one memory, which the compiled core steps. Names, spaces and dicts belong to
 envs/.
 
-- engine: `Engine`, which the envs, the service and the replays use, and its `SavedState`.
+- engine: `Engine`, which the envs, `ros.arena_service` and the replays use, and its `SavedState`.
 - compiling: compilation of the core, once in a process, and its message.
 - core_settings: a config as the core's numbers. episode_seeds: the seed of each episode.
 - reading: what people read in the memory, which `Engine` inherits: worlds, rulings, digests.

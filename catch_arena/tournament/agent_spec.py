@@ -106,15 +106,15 @@ def resolve(word: str) -> AgentSpec:
     if (file := word.rpartition(":")[0]).endswith(".py"):
         raise AgentError(f"{word}: a file is given alone, and its class is called Agent: {file}")
     path = _absolute(word)
-    is_path = os.sep in word or word.endswith(".py")
+    exists, is_path = os.path.lexists(path), os.sep in word or word.endswith(".py")
     if word in (known := ladder_names() if word.startswith(LADDER) else shipped_names()):
         return AgentSpec(shipped_spec(word), (word,))
-    if is_path or os.path.lexists(path):
+    if not exists and ":" not in word and path.with_suffix(".py").is_file():
+        raise AgentError(f"{word}: no such file; a file is given with its ending, as {Path(word).with_suffix('.py')}")
+    if is_path or exists:
         return _resolve_path(word, path)
     if ":" in word:
         return AgentSpec(word, tuple(word.replace(":", ".").split(".")))
-    if path.with_suffix(".py").is_file():
-        raise AgentError(f"{word}: no such file; a file is given with its ending, as {path.stem}.py")
     if path.suffix and not word.startswith(LADDER):
         raise AgentError(f"{word}: no such file; give a shipped agent's name, {_ELSE}")
     raise AgentError(f"unknown agent {word!r}: {suggest(word, known)} (or give {_ELSE})")

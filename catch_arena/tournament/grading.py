@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from importlib.resources import files
 from io import BytesIO
 from itertools import cycle, islice
+from statistics import fmean
 from typing import Any, Final, NamedTuple
 from xml.etree import ElementTree as ET
 
@@ -50,9 +51,8 @@ class TestGrade:
     def __str__(self) -> str:
         """Return the figures, then the failures, then the hints."""
         head = f"{'failed' if self.failures else 'passed'}  {self.points:g}/{self.possible:g}  {self.test}"
-        return "\n        ".join(
-            [f"{head}: {self.measured}", *self.failures, *(f"hint: {hint}" for hint in self.hints)]
-        )
+        lines = f"{head}: {self.measured}", *self.failures, *(f"hint: {hint}" for hint in self.hints)
+        return "\n        ".join(lines)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the grade as a dictionary for JSON."""
@@ -105,6 +105,7 @@ def grade_agent(
     opponents: Sequence[Entrant],
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
+    play_match: Callable[..., MatchResult] = play_entrants,
 ) -> tuple[TestGrade, list[GradedMatch]]:
     """Play the matches of a test, with the student's agent in each seat in turn, and return its grade and the matches.
 
@@ -123,7 +124,7 @@ def grade_agent(
         party = match.seating.index(0)
         seating = [*others[:party], student, *others[party:]]
         replay, title = BytesIO(), f"{printable(test.name)[:_LONGEST_NAME]}, match {match.block + 1}"
-        result = play_entrants(
+        result = play_match(
             config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds, title=title, record=replay
         )
         played.append(GradedMatch(party, result, replay.getvalue()))
@@ -159,10 +160,10 @@ def _grade(test: GradingTest, played: Sequence[GradedMatch], parties: Parties, s
     refused = verdicts.total() - verdicts["GRANTED"] - verdicts["LOST_CONTEST"]
     figures: dict[str, Any] = {
         "matches": len(played),
-        "mean_score": _mean(scores["hunter"]) or 0.0,
-        "win_share": _mean(wins) or 0.0,
+        "mean_score": fmean(scores["hunter"] or [0.0]),
+        "win_share": fmean(wins or [0.0]),
         "mean_refused": refused / len(played),
-        "mean_caught": _mean(scores["prey"]),
+        "mean_caught": fmean(scores["prey"]) if scores["prey"] else None,
         "verdicts": dict(sorted(verdicts.items())),
     }
     failures = [*map(str, forfeits.values()), *([stopped] if stopped else []), *_missed_bounds(test, figures)]
@@ -180,10 +181,6 @@ def _grade(test: GradingTest, played: Sequence[GradedMatch], parties: Parties, s
         measured=f"{counted}, score {figures['mean_score']:.2f}{won}, refused {figures['mean_refused']:.2f}{caught}",
         log=log,
     )
-
-
-def _mean(values: Sequence[float]) -> float | None:
-    return sum(values) / len(values) if values else None
 
 
 def _missed_bounds(test: GradingTest, figures: Mapping[str, Any]) -> Iterator[str]:
@@ -216,6 +213,8 @@ def _causes_of(forfeit: Forfeit, config: ArenaConfig) -> list[str]:
         return ["not installed"]
     if forfeit.late and forfeit.code == "FORFEIT_INIT":
         return ["late start"]
+    if forfeit.reason.endswith("(file_mib)"):
+        return ["printed too much"]
     if forfeit.code == "FORFEIT_CRASH" and forfeit.observation is not None:
         return _empty_lists(player_limits(config, forfeit.seat).view(*forfeit.observation)) or [forfeit.code]
     return [forfeit.code]

@@ -32,6 +32,7 @@ NOT_INSTALLED: Final = "which is not installed here"
 _PREY: Final = "Prey"
 _ENCODING_ERRORS: Final = ("'utf-8' codec", "Non-UTF-8", "null bytes")
 """Parts of Python's errors about a source file in another encoding than UTF-8."""
+in_own_process = False  # True in the process of an isolated agent
 _FILE_MODULE: Final = "catch_arena_agent_"
 """Prefix of the name of the module in an agent's file."""
 
@@ -136,6 +137,9 @@ def load_file(path: Path, folder: Path | None = None) -> ModuleType:
 @contextmanager
 def _process_restored() -> Iterator[None]:
     """Search modules in `module_folders` only; then restore the working folder, the standard streams and `sys.path`."""
+    if in_own_process:  # it keeps what the module has made of them
+        yield
+        return
     path, folder = sys.path[:], Path.cwd()
     streams = sys.stdin, sys.stdout, sys.stderr
     sys.path[:] = module_folders()

@@ -282,7 +282,7 @@ def enter(
         entrant = inspect(agent)
         if entrant.fault is not None and is_shipped(agent.spec):
             raise AgentError(entrant.fault)
-        prey_digest = _shipped_prey().digest if entrant.needs_prey else entrant.digest
+        prey_digest = inspect(resolve(SHIPPED_PREY)).digest if entrant.needs_prey else entrant.digest
         entrants.append(replace(entrant, name=name, prey_digest=prey_digest))
     return tuple(entrants)
 
@@ -301,11 +301,6 @@ def _inspect(sandbox: Sandbox | None, agent: AgentSpec) -> Entrant:
     return replace(entrant, control=control, digest=agent.digest(sources), prey=prey)
 
 
-@cache
-def _shipped_prey() -> Entrant:
-    return enter([SHIPPED_PREY])[0]
-
-
 def _parse(doing: str, received: bytes | Fault, process: AgentProcess) -> tuple[dict[str, Any], Fault | None]:
     """Return the JSON object in an agent's line, and its fault: a line without one, or with an error."""
     if isinstance(received, Fault):
@@ -316,10 +311,12 @@ def _parse(doing: str, received: bytes | Fault, process: AgentProcess) -> tuple[
         fields = None
     if not isinstance(fields, dict):
         return {}, Fault("FORFEIT_ILLEGAL", f"its line is no JSON object: {excerpt(received)}")
+    process.read_log()  # all that it printed before this line
     if "ended" in fields:  # our program reports the end of the process that it forked for the match
-        process.read_log()
         return {}, Fault("FORFEIT_CRASH", f"{doing}: {exit_reason(fields['ended'], process.log)}")
     if "error" in fields:
         why = fields["error"]
         return {}, Fault("FORFEIT_CRASH", one_line(why if isinstance(why, str) else shortened(why)))
+    if process.log.printed > (most := process.quotas.file_mib) << 20:
+        return {}, Fault("FORFEIT_CRASH", f"printed more than {most} MiB: print less (file_mib)")
     return fields, None

@@ -81,6 +81,7 @@ def serve(spec: str, quotas: Mapping[str, Any], folder: str, into: int, out: int
     if (command := command_of(spec)) is not None:
         _limit_cpu(allowed.cpu_s)
         _become_command(command, into, out)
+    loading.in_own_process = True
     if (own := folder_of(spec)) is not None:
         sys.path.insert(0, str(own))
     try:

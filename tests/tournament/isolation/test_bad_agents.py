@@ -170,13 +170,21 @@ def test_what_it_prints_is_kept_from_the_beginning_and_the_end_up_to_a_limit(san
     assert result.logs[1] == ""
     with Sandbox(replace(PATIENT, file_mib=1, isolation=sandbox.quotas.isolation)) as within:
         result = played(within, "prints_without_end", "nearest")
-    assert str(result.forfeits[0]) == "FORFEIT_ILLEGAL in step 5: printed more than 1 MiB (file_mib)"
+    assert str(result.forfeits[0]) == "FORFEIT_CRASH in step 5: printed more than 1 MiB: print less (file_mib)"
     assert result.logs[0].endswith("xxx the end of step 5\n")
 
 
-@pytest.mark.parametrize("closing", ["sys.stdout.close()", "sys.stderr.close()", "sys.stdout.detach()"])
-def test_one_that_prints_nowhere_plays_on(sandbox, tmp_path, closing):
-    (tmp_path / "quiet.py").write_text(source(before=f"import sys\n{closing}\n"))
+@pytest.mark.parametrize(
+    ("closing", "reset"),
+    [
+        ("sys.stdout.close()", "pass"),
+        ("sys.stderr.close()", "pass"),
+        ("sys.stdout.detach()", "pass"),
+        ("sys.stdout.close(); sys.stdout = open('/dev/null', 'w')", "print('start')"),
+    ],
+)
+def test_one_that_prints_nowhere_plays_on(sandbox, tmp_path, closing, reset):
+    (tmp_path / "quiet.py").write_text(source(reset=reset, before=f"import sys\n{closing}\n"))
     entrants = enter([str(tmp_path / "quiet.py"), "idle"], sandbox)
     assert play_entrants(SHORT, 1, entrants, sandbox).forfeit_codes == (None, None)
 
