@@ -28,10 +28,7 @@ def test_a_value_has_the_type_of_its_parameter_and_the_last_one_counts(words, gi
     [
         (("-p",), "--ros-args must be -p NAME:=VALUE, such as -p spawn_frequency:=0.5, got '-p'"),
         (("-r", "__node:=bob"), "--ros-args must be -p NAME:=VALUE, such as -p spawn_frequency:=0.5, got '-r'"),
-        (
-            ("spawn_frequency:=2.0",),
-            "--ros-args must be -p NAME:=VALUE, such as -p spawn_frequency:=0.5, got 'spawn_fre",
-        ),
+        ((f"{FREQUENCY}:=2.0",), f"--ros-args must be -p NAME:=VALUE, such as -p {FREQUENCY}:=0.5, got '{FREQUENCY}"),
         (("-p", "spawn_frequency=2.0"), "--ros-args -p must be NAME:=VALUE, such as spawn_frequency:=0.5"),
         (("-p", f"{FREQUENCY}:="), f"{FREQUENCY} must be a number, got ''"),
         (("-p", f"{FREQUENCY}:=fast"), f"{FREQUENCY} must be a number, got 'fast'"),

@@ -40,19 +40,15 @@ def test_an_agent_is_a_shipped_name_a_class_in_a_module_or_a_file(agent_file):
     assert create_policy(filed.spec).act(None) == 0
 
 
-def test_the_same_agent_twice_gets_two_names():
-    names = [one.name for one in enter(["nearest", "idle", "nearest", "nearest"])]
-    assert names == ["nearest", "idle", "nearest#2", "nearest#3"]
-
-
 def test_files_of_one_name_are_named_by_what_tells_their_places_apart(agent_file):
     """Students hand in a folder each, with the same file name."""
     files = ["ann/hw1/agent.py", "bob/hw1/agent.py", "bob/hw2/agent.py", "cid/nearest.py", "cid/other.py"]
     files.append("dan/__init__.py")
     words = [*(agent_file(HOLDS, name) for name in files), "nearest", "catch_arena.agents.first:Agent"]
-    twice = enter([*words, words[0], "catch_arena.agents.idle:Agent"])
+    twice = enter([*words, words[0], "catch_arena.agents.idle:Agent", agent_file(HOLDS, "nearest#2.py"), "nearest"])
     files = ["ann/hw1/agent", "bob/hw1/agent", "hw2/agent", "cid/nearest", "other", "dan"]
-    assert [one.name for one in twice] == [*files, "nearest", "first/Agent", "ann/hw1/agent#2", "idle/Agent"]
+    again = ["nearest#2", "nearest#3"]
+    assert [one.name for one in twice] == [*files, "nearest", "first/Agent", "ann/hw1/agent#2", "idle/Agent", *again]
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
@@ -194,9 +190,7 @@ def test_a_word_that_stands_for_nothing_is_explained(tmp_path, monkeypatch, spec
 def test_a_commands_words_that_are_no_files_stay_as_they_are(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "b").touch()
-
     program = resolve("cmd:python3 s/../b b")
-
     assert program.spec == f"cmd:{shutil.which('python3')} s/../b {tmp_path / 'b'}"
 
 

@@ -18,7 +18,6 @@ from tournament.agents import write_agent
 
 import catch_arena
 from catch_arena import scenario
-from catch_arena.tournament.agent_spec import resolve, unique_names
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
 from catch_arena.tournament.match_loop import play_entrants
@@ -184,14 +183,6 @@ def test_whatever_it_answers_is_its_forfeit_and_nothing_else(sandbox, tmp_path, 
     assert result.forfeit_codes[1] is None
     assert result.forfeits[0].reason.isprintable()
     assert len(result.forfeits[0].reason) <= 300
-
-
-def test_a_file_may_be_called_like_the_second_of_two(tmp_path):
-    (tmp_path / "nearest#2.py").write_text(HOSTILE)
-    file = resolve(str(tmp_path / "nearest#2.py"))
-    nearest = resolve("nearest")
-    assert unique_names([nearest, file, nearest]) == ["nearest", "nearest#2", "nearest#3"]
-    assert len(set(unique_names([nearest, nearest, file]))) == 3
 
 
 @pytest.mark.parametrize("name", ["x" * 101 + ".py", "\x1b[31m.py", "\u202ea.py", "a\tb.py"])

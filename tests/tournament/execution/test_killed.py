@@ -7,6 +7,7 @@ import signal
 import subprocess
 import sys
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from pathlib import Path
 
@@ -62,8 +63,8 @@ KILLS = (
 )
 """At which call of which function a tournament is killed, and how many matches are in its store then.
 
-A block has two matches, so the third `_keep` is in the middle of a transaction. `Path.replace` ends each replay: the
-fourth that is not called leaves half of a block's replays, and a temporary file.
+A block has two matches, so the third `_add_match` is in the middle of a transaction. `Path.replace` ends each replay:
+the fourth that is not called leaves half of a block's replays, and a temporary file.
 """
 
 
@@ -133,11 +134,7 @@ def test_nothing_outlives_a_tournament_that_is_killed(level, tmp_path):
         relatives = descendants(process.pid)
         assert len(relatives) >= 14  # two workers, with two programs each, their agents, and these children
         process.kill()
-    patience = time.monotonic() + 60
-    while (any(map(lives, relatives)) or any((tmp_path / "temporary").iterdir())) and time.monotonic() < patience:
-        time.sleep(0.02)
-    assert not [pid for pid in relatives if lives(pid)]
-    assert not any((tmp_path / "temporary").iterdir())
+    assert within_a_minute(lambda: not any(map(lives, relatives)) and not any((tmp_path / "temporary").iterdir()))
 
 
 COMPUTES = """
@@ -160,10 +157,14 @@ def test_a_worker_in_compiled_code_that_never_ends_ends_with_its_command():
         relatives = descendants(process.pid)
         time.sleep(0.5)  # so that it is mostly in that code
         process.kill()
+    assert within_a_minute(lambda: not any(map(lives, relatives)))
+
+
+def within_a_minute(ended: Callable[[], bool]) -> bool:
     patience = time.monotonic() + 60
-    while any(map(lives, relatives)) and time.monotonic() < patience:
+    while not ended() and time.monotonic() < patience:
         time.sleep(0.02)
-    assert not [pid for pid in relatives if lives(pid)]
+    return ended()
 
 
 def is_grandchild(pid: int) -> bool:
