@@ -56,10 +56,10 @@ def run_conformance(
     if limit_s is not None and not 0 < limit_s < inf:
         raise ConfigError(f"limit_s must be a positive number of seconds, got {limit_s!r}")
     compared: Compared = "evidence" if evidence else "verdicts"
-    cases, results = select_cases(only), list[Result]()
+    cases, results, late = select_cases(only), [], 0
     for case in cases:
-        if limit_s is not None and sum(one.seconds >= limit_s for one in results) == _MOST_LATE:
-            why = f"not played after {_MOST_LATE} cases without an answer within {limit_s:g} s"
+        if late == _MOST_LATE:
+            why = f"not played after {late} cases without an answer within {limit_s:g} s"
             results.append(Result(case, None, 0.0, why))
             continue
         runners: list[ArbiterRunner | ArenaRunner] = []
@@ -67,7 +67,8 @@ def run_conformance(
             runners.append(ArbiterRunner(adapter, case if exact_lots else with_any_lots(case), compared))
         if arena is not None and (isinstance(case, ArenaCase) or fits_into_an_arena(case)):
             runners.append(ArenaRunner(arena, case, compared))
-        results.append(_run_case(case, runners, limit_s))
+        results.append(result := _run_case(case, runners, limit_s))
+        late += result.failure is not None and limit_s is not None and result.seconds >= limit_s
         if progress is not None:
             progress(len(results), len(cases))
     return Report(tuple(results), compared)
