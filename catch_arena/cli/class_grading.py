@@ -18,6 +18,7 @@ from catch_arena.cli.terminal import echo, noting_kept_results, progress_bar
 from catch_arena.errors import ConfigError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.ros.node_tests.cases import cases_of
+from catch_arena.tournament.execution.block_queue import do_here
 from catch_arena.tournament.execution.executors import Executor, Worker, local_executor
 from catch_arena.tournament.grading import enter_opponents
 from catch_arena.tournament.grading_spec import GradingSpec
@@ -92,7 +93,7 @@ def _agent_grading(exercise: GradingSpec, students: ClassOptions, trust: Trust, 
         )
     jobs = min(students.jobs or usable_cores(), submissions)
     with sandbox_for(quotas) as sandbox:
-        rivals = enter_opponents(exercise, sandbox)
+        rivals = do_here(enter_opponents, exercise, sandbox)
     print_level(quotas, ["a submission"])
     worker = Worker(exercise.tests[0].config, (), quotas=quotas)
     grade_one = partial(grade_submission, worker, exercise, rivals)
