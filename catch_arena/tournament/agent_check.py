@@ -30,15 +30,16 @@ def check_fitness(
     arenas: Mapping[str, ArenaConfig],
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
-    play_match: Callable[..., MatchResult] = play_entrants,
+    play: Callable[..., MatchResult] = play_entrants,
 ) -> Iterator[Finding]:
     """Yield the findings about an agent that plays against itself; `progress` gets (done, total) before each match.
 
-    In the first arena without a forfeit it plays twice, to check that equal seeds give equal matches.
+    In the first arena without a forfeit it plays twice, to check that equal seeds give equal matches. `play` is called
+    as `play_entrants`.
     """
 
-    def play(config: ArenaConfig) -> MatchResult:
-        return play_match(config, 0, [entrant] * len(Parties.of(config)), sandbox)
+    def play_in(config: ArenaConfig) -> MatchResult:
+        return play(config, 0, [entrant] * len(Parties.of(config)), sandbox)
 
     if entrant.fault is not None:
         yield Finding("error", f"cannot begin: {entrant.fault}{_tail(entrant.log)}")
@@ -55,7 +56,7 @@ def check_fitness(
             yield Finding("warning", f"was too slow in {late} arenas, and not tried in: {left}")
             return
         progress(number, len(arenas) + 1)
-        result = play(config)
+        result = play_in(config)
         yield from _findings(name, config, result, step_ms, reported)
         late += any(forfeit is not None and forfeit.late for forfeit in result.forfeits)
         if not any(result.forfeits):
@@ -64,7 +65,7 @@ def check_fitness(
         return
     name, first = next(iter(whole.items()))
     progress(len(arenas), len(arenas) + 1)
-    if play(arenas[name]) == first:
+    if play_in(arenas[name]) == first:
         yield Finding("ok", f"{name}: plays the same match again, given the same seed")
         return
     yield Finding(

@@ -105,12 +105,12 @@ def grade_agent(
     opponents: Sequence[Entrant],
     sandbox: Sandbox | None,
     progress: Callable[[int, int], None] = lambda *_: None,
-    play_match: Callable[..., MatchResult] = play_entrants,
+    play: Callable[..., MatchResult] = play_entrants,
 ) -> tuple[TestGrade, list[GradedMatch]]:
     """Play the matches of a test, with the student's agent in each seat in turn, and return its grade and the matches.
 
     After two timeouts, or MAX_FORFEITS forfeits in a row, the rest is not played. `progress` is called with
-    (played, total) matches after each match.
+    (played, total) matches after each match, and `play` as `play_entrants`.
     """
     config, matches = test.config, spec.matches(test)
     parties = Parties.of(config)
@@ -124,9 +124,7 @@ def grade_agent(
         party = match.seating.index(0)
         seating = [*others[:party], student, *others[party:]]
         replay, title = BytesIO(), f"{printable(test.name)[:_LONGEST_NAME]}, match {match.block + 1}"
-        result = play_match(
-            config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds, title=title, record=replay
-        )
+        result = play(config, match.seed, seating, sandbox, agent_seeds=match.agent_seeds, title=title, record=replay)
         played.append(GradedMatch(party, result, replay.getvalue()))
         progress(len(played), len(matches))
         forfeit = result.forfeits[party]

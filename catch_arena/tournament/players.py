@@ -269,7 +269,7 @@ def enter(
     """
     entrants = []
     inspect = cache(partial(_inspect, sandbox))
-    agents = [resolve(spec) for spec in specs]
+    agents, shipped_prey = [resolve(spec) for spec in specs], resolve(SHIPPED_PREY)
     for number, (agent, name) in enumerate(zip(agents, unique_names(agents), strict=True), 1):
         if any("\ud800" <= letter <= "\udfff" for letter in agent.spec):  # Python's form of bytes that are no text
             raise AgentError(
@@ -282,7 +282,7 @@ def enter(
         entrant = inspect(agent)
         if entrant.fault is not None and is_shipped(agent.spec):
             raise AgentError(entrant.fault)
-        prey_digest = inspect(resolve(SHIPPED_PREY)).digest if entrant.needs_prey else entrant.digest
+        prey_digest = inspect(shipped_prey).digest if entrant.needs_prey else entrant.digest
         entrants.append(replace(entrant, name=name, prey_digest=prey_digest))
     return tuple(entrants)
 

@@ -44,6 +44,7 @@ def head_to_head(results: SideResults) -> dict[tuple[str, str], Encounter]:
     )
     share = {divmod(int(cell), size): estimate for cell, estimate in zip(present, estimates, strict=True)}
     share |= {(j, i): Estimate(1 - one.mean, 1 - one.high, 1 - one.low) for (i, j), one in share.items()}
+    unknown = Estimate(math.nan, math.nan, math.nan)
 
     histogram = sums_by(size, int(outcomes.scores.max()) + 1, outcomes.seating, outcomes.scores)
     totals = histogram.sum(axis=1)
@@ -59,7 +60,7 @@ def head_to_head(results: SideResults) -> dict[tuple[str, str], Encounter]:
             matches=int(met[i, j]),
             wins=int(wins[i, j]),
             ties=int(ties[i, j]),
-            share=share.get((i, j), Estimate(math.nan, math.nan, math.nan)),
+            share=share.get((i, j), unknown),
             improvement=improvement(i, j),
         )
         for i in with_matches.tolist()
