@@ -45,10 +45,12 @@ def test_files_of_one_name_are_named_by_what_tells_their_places_apart(agent_file
     files = ["ann/hw1/agent.py", "bob/hw1/agent.py", "bob/hw2/agent.py", "cid/nearest.py", "cid/other.py"]
     files.append("dan/__init__.py")
     words = [*(agent_file(HOLDS, name) for name in files), "nearest", "catch_arena.agents.first:Agent"]
-    twice = enter([*words, words[0], "catch_arena.agents.idle:Agent", agent_file(HOLDS, "nearest#2.py"), "nearest"])
+    second = agent_file(HOLDS, "nearest#2.py")
+    twice = enter([*words, words[0], "catch_arena.agents.idle:Agent", second, "nearest"])
     files = ["ann/hw1/agent", "bob/hw1/agent", "hw2/agent", "cid/nearest", "other", "dan"]
     again = ["nearest#2", "nearest#3"]
     assert [one.name for one in twice] == [*files, "nearest", "first/Agent", "ann/hw1/agent#2", "idle/Agent", *again]
+    assert len({one.name for one in enter(["nearest", "nearest", second])}) == 3
 
 
 @pytest.mark.parametrize("encoding", ["utf-16", "utf-16-be"])
