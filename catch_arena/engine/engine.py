@@ -2,9 +2,10 @@
 service check all other arguments.
 """
 
+import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import partial
 from typing import Any, Final
 
 import numpy as np
@@ -16,16 +17,17 @@ from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.memory import Bytes, Sections, copy_of, lay_out, sections_of
 from catch_arena.core.prey import withdraw_prey_at
-from catch_arena.core.state import ALL_OPTIONS
+from catch_arena.core.state import ABSENT, ALL_OPTIONS
 from catch_arena.core.vectors import LANES, PLAYED, SINGLE, WIDE
 from catch_arena.engine.compiling import announced
 from catch_arena.engine.core_settings import limits_by_seat, settings_of, sizes_of
-from catch_arena.engine.reading import ArenaReader, row_of
+from catch_arena.engine.reading import RULING, row_of, state_in, views_of, world_in
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError
 from catch_arena.seeding import checked_seed
 from catch_arena.text import shortened
 from catch_arena.threads import run_in_threads
+from catch_arena.world import World
 
 _HUNTERS_A_PART: Final = 4096
 """Least number of hunters that a thread plays at a time: fewer are not worth the cost of waking it."""
@@ -52,7 +54,7 @@ class SavedState(EqualByBits):
     """Records of finished episodes, of an engine with `auto_reset`; otherwise empty."""
 
 
-class Engine(ArenaReader):
+class Engine:
     """A batch of arenas of one config, played in lockstep.
 
     Args:
@@ -84,6 +86,7 @@ class Engine(ArenaReader):
         self._kind = (width, view_width, options)
         """First argument of `tick.run`, whose type determines the compiled code."""
         self.config = config
+        self._config_digest = config.digest  # computed once, since it takes longer than saving
         self.num_arenas = num_arenas
         self._options: dict[str, Any] = {
             "with_infos": with_infos,
@@ -107,12 +110,11 @@ class Engine(ArenaReader):
         with announced(batch=num_arenas > 1, all_rules=options == ALL_OPTIONS):
             tick.run(self._kind, memory, 0, 0, 0, _NO_RESETS, True, *_NO_ACTIONS)  # plays no chunk
         spare = num_arenas - (self._num_chunks - 1) * LANES  # lanes without an arena hold only withdrawn hunters
-        self._hunters[-1, :, row_of(rows.WITHDRAWN), spare:] = 1.0
+        self.views.hunters[-1, :, row_of(rows.WITHDRAWN), spare:] = 1.0
 
     def _bind_sections(self, memory: Bytes, sections: Sections) -> None:
         """Bind the memory's sections to attributes."""
         self._memory = memory
-        self.chunks = sections.chunks
         self.controls = sections.controls
         self.rewards = sections.rewards
         self.parts = sections.parts
@@ -126,7 +128,11 @@ class Engine(ArenaReader):
         self.final_masks = sections.final_masks
         self.lengths = sections.lengths
         self.records = sections.records
-        self._bind_views(sections)
+        self.views = views_of(self.config, sections)
+        self.ruling_rows = self.views.hunters[0, :, RULING, 0]
+        """R5.6: answers of the first arena in its last step, (H, 4); `reading.RULING` gives the columns."""
+        self.caught_by = self.views.prey[0, :, row_of(rows.CAUGHT_BY), 0]
+        """R12.3: seat that caught each prey of the first arena in its last step, -1 for none: (P,)."""
         of_results, of_records = map(Sections._fields.index, ("rewards", "final_observations"))
         self._results = [section for section in sections[of_results:of_records] if section.size]
         self._records = [section for section in sections[of_records:] if section.size]
@@ -263,6 +269,41 @@ class Engine(ArenaReader):
         self._observe([arena])
         return killed
 
+    # reading
+
+    def world(self, arena: int = 0) -> World:
+        """Return one arena as a World, with names."""
+        return world_in(self.views, arena)
+
+    def state(self, arena: int = 0) -> NDArray[np.float64]:
+        """A.8: return the numbers of one arena's state, (n,), in the order in which the digest reads them."""
+        return state_in(self.views, arena)
+
+    def digest(self, arena: int = 0) -> bytes:
+        """A.8: return the digest of one arena's state, eight bytes."""
+        return hashlib.blake2b(self.state(arena).astype("<f8", copy=False).tobytes(), digest_size=8).digest()
+
+    def numbers_seen(self, seat: int) -> NDArray[np.int64]:
+        """R7.1: return the numbers of the targets that a seat sees in each arena, by rank: (B, ranks), 0 for none."""
+        slots = self.views.target_orders[:, seat].swapaxes(1, 2)
+        none = np.cumsum(slots == ABSENT, axis=2) > 0
+        numbers = self.views.targets[:, :, row_of(rows.NUMBER)].swapaxes(1, 2)
+        seen = np.take_along_axis(numbers, np.where(none, 0, slots).astype(np.int64), axis=2)
+        return np.where(none, 0.0, seen).astype(np.int64).reshape(-1, slots.shape[2])[: self.num_arenas]
+
+    def active_targets(self) -> NDArray[np.int64]:
+        """R4.1: return the numbers of the hunters' active targets in each arena: (B, H), 0 for none."""
+        numbers = self.views.hunters[:, :, row_of(rows.ACTIVE)].swapaxes(1, 2).astype(np.int64)
+        return numbers.reshape(-1, self.config.hunters)[: self.num_arenas]
+
+    def seeds(self) -> NDArray[np.uint64]:
+        """Return the seeds of the current episodes: (B,)."""
+        high, low = (
+            self.views.fields[:, row_of(offset)].reshape(-1).astype(np.uint64)
+            for offset in (rows.SEED_HIGH, rows.SEED_LOW)
+        )
+        return ((high << np.uint64(32)) | low)[: self.num_arenas]
+
     # saving
 
     def save(self, arena: int | None = None) -> SavedState:
@@ -322,14 +363,9 @@ class Engine(ArenaReader):
         """Return the parts of the memory of which a `SavedState` has copies: those of one arena, or of all."""
         every: tuple[Any, Any, Any] = slice(None), slice(None), slice(None)
         chunk, lane, row = every if arena is None else (*divmod(arena, LANES), slice(arena, arena + 1))
-        state: list[NDArray[Any]] = [self._fields[chunk, :, lane], self._target_orders[chunk, :, :, lane]]
+        state: list[NDArray[Any]] = [self.views.fields[chunk, :, lane], self.views.target_orders[chunk, :, :, lane]]
         memory, finished = ([part[row] for part in parts] for parts in (self._results, self._records))
         return self.controls[row], state + memory, finished
-
-    @cached_property
-    def _config_digest(self) -> str:
-        """Digest of the config, which a saved state must have; computed once, since it takes longer than saving."""
-        return self.config.digest
 
     def __deepcopy__(self, memo: object) -> "Engine":
         """Return an independent engine in the same state."""

@@ -409,7 +409,7 @@ class VectorArena:
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: return one arena's rulings of the last step; empty if a new episode has begun in that arena."""
-        return self._engine.rulings(self._row("rulings", arena))
+        return self._engine.world(self._row("rulings", arena)).rulings
 
     def digest(self, arena: int) -> bytes:
         """A.8: return the digest of one arena's state, eight bytes."""

@@ -263,7 +263,9 @@ class _Search:
             active = engine.active_targets()[:, self._others]
             counts &= (active == self._active[step + 1][self._others]).all(axis=1)
             caught = np.flatnonzero(counts & (engine.parts[:, seat, _CATCH] > 0.0)).tolist()
-            target_by_row = {row: {ruling.hunter: ruling.target for ruling in engine.rulings(row)} for row in caught}
+            target_by_row = {
+                row: {ruling.hunter: ruling.target for ruling in engine.world(row).rulings} for row in caught
+            }
             yield choices, commands, [row for row in caught if target_by_row[row][seat] == self._contest.target]
 
     def _deviation(self, change: _Change, steps: int) -> float:

@@ -268,7 +268,8 @@ class ArenaService:
         ranks = np.zeros((1, self.config.hunters), dtype=np.int64)
         driven_to = [(self._seat(hunter), name) for hunter, name in active_targets.items()]
         for seat, name in (*driven_to, *reversed(calls)):  # reversed, so that a hunter's first request is written last
-            ranks[0, seat] = self._engine.rank_of(0, seat, name) if isinstance(name, str) else 0
+            seen = [self.config.target_name(number) for number in self._engine.numbers_seen(seat)[0] if number]
+            ranks[0, seat] = seen.index(name) + 1 if name in seen else 0
         return ranks
 
     def _request_table(self, by_name: Sequence[tuple[int, object]], before: World) -> RequestTable:

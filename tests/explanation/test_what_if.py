@@ -67,7 +67,7 @@ def play_again(replay: Replay, seat: int, actions: dict, steps: int) -> Engine:
 
 
 def rulings_on(engine: Engine, target: str) -> list[Ruling]:
-    return [ruling for ruling in engine.rulings(0) if ruling.target == target]
+    return [ruling for ruling in engine.world(0).rulings if ruling.target == target]
 
 
 def check(replay: Replay, contest: Contest, answer: WhatIf) -> None:

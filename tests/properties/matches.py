@@ -215,7 +215,7 @@ def seen(engine: Engine, row: int) -> dict[str, object]:
         "parts": engine.parts[row].tobytes(),
         "ends": int(engine.ends[row]),
         "prey_parts": engine.prey_parts[row].tobytes(),
-        "rulings": engine.rulings(row),
+        "rulings": engine.world(row).rulings,
         "world": engine.world(row),
     }
 

@@ -71,7 +71,7 @@ def compare(engine: Engine, oracle: OracleArena, config: ArenaConfig, names: lis
     for seat, mask in enumerate(oracle.masks()):
         if mask is not None:
             assert engine.masks[row, seat].tolist() == mask, f"hunter_{seat}'s mask"
-    assert by_seat(engine.rulings(row), config) == oracle.rulings, "rulings"
+    assert by_seat(engine.world(row).rulings, config) == oracle.rulings, "rulings"
     for seat in seats:
         assert_same(
             f"hunter_{seat}'s parts", list(PART_NAMES), engine.parts[row, seat].tolist(), list(oracle.parts[seat])

@@ -253,8 +253,8 @@ def test_nothing_is_lost_and_nothing_caught_twice(source: Random, seed: int, act
         actions = some_batch_actions(chosen, config, 1)
         engine.step(*actions)
         choices = actions[0]
-        rulings = {ruling.hunter: ruling for ruling in engine.rulings(0)}
-        assert len(rulings) == len(engine.rulings(0))
+        rulings = {ruling.hunter: ruling for ruling in engine.world(0).rulings}
+        assert len(rulings) == len(engine.world(0).rulings)
         for seat, control in enumerate(config.controls):
             if control == "full":
                 assert (seat in rulings) == (choices[0, seat] > 0)
@@ -345,7 +345,7 @@ def test_seats_are_labels_for_whole_matches(source: Random, actions: int, data: 
         choices, commands = some_batch_actions(chosen, config, 1)
         one.step(choices, commands)
         other.step(choices[:, order], commands[:, rows])
-        if config.policy == "nearest" and tied_for(list(one.rulings(0))):
+        if config.policy == "nearest" and tied_for(list(one.world(0).rulings)):
             break
 
 

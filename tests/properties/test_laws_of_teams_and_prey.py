@@ -78,7 +78,7 @@ def test_teams_change_what_is_paid_and_nothing_that_is_ruled(source: Random, see
         for engine in (alone, own, shared):
             engine.step(*given_)
         assert bytes(alone.digest(0)) == bytes(own.digest(0)) == bytes(shared.digest(0)), settings_of(config)
-        assert alone.rulings(0) == own.rulings(0) == shared.rulings(0)
+        assert alone.world(0).rulings == own.world(0).rulings == shared.world(0).rulings
         assert np.array_equal(own.parts, shared.parts)
         assert np.array_equal(own.parts[0, :, 1] + own.parts[0, :, 6], alone.parts[0, :, 1])
         assert not alone.parts[0, :, 6].any()
@@ -146,7 +146,7 @@ def test_what_prey_does_changes_no_ruling_of_its_step(source: Random, seed: int,
         active = one.active[0, config.hunters :].copy()
         one.step(choices, commands)
         other.step(choices, changed)
-        assert other.rulings(0) == one.rulings(0), settings_of(config)
+        assert other.world(0).rulings == one.world(0).rulings, settings_of(config)
         assert [prey.caught_by for prey in other.world(0).prey] == [prey.caught_by for prey in one.world(0).prey]
         if not active.any():
             assert bytes(other.digest(0)) == bytes(one.digest(0))

@@ -302,7 +302,7 @@ class EngineAdjudicator(Adjudicator):
         return bytes(self.engine.digest(self.row))
 
     def evidence(self) -> list[Evidence | None]:
-        return by_seat(self.engine.rulings(self.row), self.config)
+        return by_seat(self.engine.world(self.row).rulings, self.config)
 
     def observation(self, seat: int) -> list[float]:
         return [float(number) for number in self.engine.observations[self.row, seat, : observation_size(self.config)]]

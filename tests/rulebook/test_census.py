@@ -28,7 +28,7 @@ def answers_of_the_engine(position: Position) -> list[list[Answer]]:
         for seat in position.withdrawn:
             engine.withdraw(row, seat)
     engine.step(np.array(steps, np.int64), np.zeros((*np.shape(steps), 2), np.float32))
-    return [[(ruling.hunter, ruling.verdict) for ruling in engine.rulings(row)] for row in range(len(steps))]
+    return [[(ruling.hunter, ruling.verdict) for ruling in engine.world(row).rulings] for row in range(len(steps))]
 
 
 def require_counts(position: Position, kind: str, answers: list[list[Answer]]) -> None:

@@ -124,7 +124,7 @@ def test_r3_4_a_name_is_the_prefix_and_the_number() -> None:
         import numpy as np
 
         engine.step(np.ones((1, 1), np.int64), np.zeros((1, 1, 2), np.float32))
-        assert [ruling.target for ruling in engine.rulings(0)] == [f"{prefix}4"]
+        assert [ruling.target for ruling in engine.world(0).rulings] == [f"{prefix}4"]
 
 
 @pytest.mark.rule("R3.5")

@@ -5,7 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 
-from catch_arena.core import rows, state
+from catch_arena.core import rows
 from catch_arena.core.arbiter import REQUEST_COLUMNS, REQUEST_SEAT, REQUEST_TARGET
 from catch_arena.core.vectors import LANES
 from catch_arena.engine import Engine
@@ -30,7 +30,7 @@ def test_a_request_by_name_after_the_end_is_told_too():
     table[2, [REQUEST_SEAT, REQUEST_TARGET]] = 1, rows.NEVER_SPAWNED  # after a row for each hunter
     engine.step(*actions(engine, 0), requests=table)
 
-    assert [(ruling.hunter, ruling.verdict) for ruling in engine.rulings(0)] == [(1, Verdict.MATCH_OVER)]
+    assert [(ruling.hunter, ruling.verdict) for ruling in engine.world(0).rulings] == [(1, Verdict.MATCH_OVER)]
 
 
 def test_a_table_of_requests_without_a_row_for_each_hunter_is_refused():
@@ -59,12 +59,10 @@ def test_lanes_that_are_no_arenas_get_no_answers(control):
     rng = np.random.default_rng(3)
     for _ in range(80):
         engine.step(rng.integers(0, 9, (5, 4)), rng.uniform(-1, 1, (5, 4, 2)).astype(np.float32))
-    (chunk,) = engine.chunks
-    for seat in range(4):
-        for row in (rows.VERDICT, rows.REQUESTED_NUMBER, rows.DISTANCE, rows.WINNER):
-            assert not chunk[state.seat_at(seat) + row :][5:LANES].any()
-    seats = chunk[state.seat_at(0) : state.seat_at(4)].reshape(4, -1, LANES)
-    tallies = seats[:, rows.TALLIES // LANES :]
+    (hunters,) = engine.views.hunters
+    for row in (rows.VERDICT, rows.REQUESTED_NUMBER, rows.DISTANCE, rows.WINNER):
+        assert not hunters[:, row // LANES, 5:].any()
+    tallies = hunters[:, rows.TALLIES // LANES :]
     assert not tallies[:, :, 5:].any()
     assert tallies[:, :, :5].any()
 
