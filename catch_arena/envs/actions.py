@@ -1,12 +1,11 @@
 """Check of the actions that agents give, and their conversion into the engine's arrays."""
 
-import contextlib
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import ActionError, suggest
@@ -124,16 +123,10 @@ def action_array(subject: str, given: Any, shape: tuple[int, ...], *, whole: boo
 
     The actions are an array, a tensor or lists: of choices if `whole`, else of velocities.
     """
-    table: NDArray[Any] = np.array(None)  # stays in place of actions that cannot be read
-    if not isinstance(given, list | tuple):
-        # a tensor that needs a gradient, or lies on a graphics card, cannot become an array
-        with contextlib.suppress(TypeError, RuntimeError, ValueError):
-            table = np.asarray(given)
+    table = np.array(None) if isinstance(given, list | tuple) else array_of(given)
     if table.dtype == object:
-        with contextlib.suppress(ValueError):  # rows of different length
-            table = np.array(_rows(given, len(shape), whole=whole))
-    # each choice may be an array with one element
-    if whole and table.ndim > len(shape) and set(table.shape[len(shape) :]) == {1}:
+        table = array_of(_rows(given, len(shape), whole=whole))
+    if whole and set(table.shape[len(shape) :]) == {1}:  # each choice may be an array with one element
         table = table.reshape(table.shape[: len(shape)])
     if table.dtype.kind not in ("iu" if whole else "fiu") or table.shape != shape:
         numbers = "whole numbers" if whole else "numbers"
@@ -147,6 +140,14 @@ def _rows(given: Any, axes: int, *, whole: bool) -> Any:
     if axes and isinstance(rows, list | tuple):
         return [_rows(row, axes - 1, whole=whole) for row in rows]
     return whole_number(plain_action(given)) if whole else real_number(given)
+
+
+def array_of(given: Any, dtype: DTypeLike | None = None) -> NDArray[Any]:
+    """Return an argument as an array; the array of None if NumPy cannot read it, such as rows of different length."""
+    try:
+        return np.asarray(given, dtype)
+    except (TypeError, RuntimeError, ValueError):  # the first two of tensors on a graphics card, or with a gradient
+        return np.array(None)
 
 
 def describe_value(given: object) -> str:

@@ -4,7 +4,7 @@ also raises its error.
 
 import copy
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 from typing import Any
 
 from pettingzoo.utils.conversions import parallel_to_aec_wrapper
@@ -13,18 +13,8 @@ from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 from catch_arena.config import ArenaConfig
 from catch_arena.envs.parallel import CatchArenaEnv, SavedEpisode
 from catch_arena.envs.results import Infos
-from catch_arena.equality import EqualByBits
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.text import shortened
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class SavedTurn(EqualByBits):
-    """The result of `CatchArenaAecEnv.save`, which may be pickled and restored any number of times."""
-
-    episode: SavedEpisode
-    turns: dict[str, Any]
-    """The agent whose turn it is, actions that were given but not played yet, and results of the last step."""
 
 
 class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
@@ -111,7 +101,7 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         self._parallel.action_space(agent)  # raises for an unknown agent
         return super().observe(agent)
 
-    def save(self) -> SavedTurn:
+    def save(self) -> SavedEpisode:
         """R10.2: return the state of the episode, also between two turns. `restore` takes it any number of times, in
         this env or in another one of an equal config.
 
@@ -119,17 +109,17 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
             EpisodeError: before the first reset.
         """
         turns = {name: value for name, value in vars(self.env).items() if name not in self._constants}
-        return SavedTurn(self._parallel.save(), copy.deepcopy(turns))
+        return replace(self._parallel.save(), turns=copy.deepcopy(turns))
 
-    def restore(self, saved: SavedTurn) -> None:
+    def restore(self, saved: SavedEpisode) -> None:
         """Continue from a saved episode, bit for bit; `last` returns the same as before `save`.
 
         Raises:
             ConfigError: for anything that `save` did not return, and for the state of another config.
         """
-        if not isinstance(saved, SavedTurn):
-            raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
-        self._parallel.restore(saved.episode)
+        if not isinstance(saved, SavedEpisode) or saved.turns is None:
+            raise ConfigError(f"saved must be a state that an AEC env's save() returned, got {shortened(saved)}")
+        self._parallel.restore(replace(saved, turns=None))
         self.env.__dict__ = self._constants | copy.deepcopy(saved.turns)
         self._has_reset = self._has_updated = True
 

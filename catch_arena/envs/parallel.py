@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from catch_arena.config import RULESET, ArenaConfig, require_choice, require_options
-from catch_arena.core import rows
+from catch_arena.core.rows import TERMINATED, TRUNCATED
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.actions import ActionReader, checked_action
@@ -36,7 +36,7 @@ Step = tuple[dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool],
 
 @dataclass(frozen=True, slots=True, eq=False)
 class SavedEpisode(EqualByBits):
-    """The result of `CatchArenaEnv.save`, which may be pickled and restored any number of times.
+    """The result of `save` in a parallel or AEC env, which may be pickled and restored any number of times.
 
     Two saved episodes are equal if an env continues from both in the same way, bit for bit.
     """
@@ -50,6 +50,10 @@ class SavedEpisode(EqualByBits):
     np_random: Any
     """State of the random generator; None if nothing has drawn from it."""
     replay: Replay | None
+    turns: dict[str, Any] | None = None
+    """Of an AEC env: the agent whose turn it is, actions that were given but not played yet, and results of the last
+    step. None from a parallel env.
+    """
 
 
 class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # PettingZoo is not typed everywhere
@@ -124,7 +128,6 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._leaving_rows = [row for row, agent_leaves in enumerate(leaves) if agent_leaves]
         """Rows of the agents that leave when they are no longer active."""
         self._seed: int | None = None
-        self._np_random: np.random.Generator | None = None
         self._withdrawn: set[str] = set()
         """Agents that `withdraw` has named in this episode."""
         self._truncated: tuple[str, ...] = ()
@@ -164,14 +167,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """R7.3: space of the global state."""
         return vector_space(state_columns(self.config))
 
-    @property
+    @cached_property
     def np_random(self) -> np.random.Generator:
         """Random generator for wrappers that draw at random, such as SuperSuit's frame_skip_v0. The episode's seed
         determines it, and no rule of the game reads it.
         """
-        if self._np_random is None:
-            self._np_random = np.random.default_rng(self._seed)
-        return self._np_random
+        return np.random.default_rng(self._seed)
 
     # playing
 
@@ -195,7 +196,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._seed = episode_seed(seed, self._seed)
         follows = seed is None and not self.agents
         self._truncated = self._truncated if follows else ()
-        self._np_random = None
+        self.__dict__.pop("np_random", None)  # its first use in an episode makes it
         self._engine.reset([self._seed])
         self._recorder.begin(self._seed, self._engine)
         self._withdrawn.clear()
@@ -225,23 +226,21 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         engine.step(reader.choices, reader.commands)  # writes the arrays from which `results` reads
         if self._recorder.replay is not None:
             self._recorder.replay.append(reader.choices[0], reader.commands[0], engine)
-        ended, leaving = engine.ends.item(), self._withdrawn
+        end, leaving = engine.ends.item(), self._withdrawn
         if self._leaving_rows:
             active = engine.active[0].tolist()
             leaving = leaving.union(self.possible_agents[row] for row in self._leaving_rows if not active[row])
-        terminations = dict.fromkeys(agents, False)
-        truncations = terminations.copy()
-        if ended:
-            (terminations if ended == rows.TERMINATED else truncations).update(dict.fromkeys(agents, True))
+        terminations = dict.fromkeys(agents, end == TERMINATED)
+        truncations = dict.fromkeys(agents, end == TRUNCATED)
         for agent in leaving:
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False
-        self._truncated = tuple(agent for agent in agents if truncations[agent]) if ended else ()
+        self._truncated = tuple(agent for agent in agents if truncations[agent]) if end else ()
         observations, rewards, infos = results.observations(), results.rewards(), results.infos(self._truncated)
         if len(agents) < len(infos):
             observations, rewards = of_agents(agents, observations), of_agents(agents, rewards)
             infos = of_agents(agents, infos)
-        if ended or leaving:
+        if end or leaving:
             self.agents = [agent for agent in agents if not (terminations[agent] or truncations[agent])]
         if self.render_mode == "human":
             self.render()
@@ -321,7 +320,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             agents=tuple(self.agents),
             withdrawn=frozenset(self._withdrawn),
             truncated=self._truncated,
-            np_random=None if self._np_random is None else self._np_random.bit_generator.state,
+            np_random=self.np_random.bit_generator.state if "np_random" in self.__dict__ else None,
             replay=None if replay is None else replay.copy(),
         )
 
@@ -335,8 +334,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             ConfigError: for anything that `save` did not return, and for the state of another config or another
                 version.
         """
-        if not isinstance(saved, SavedEpisode):
-            raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
+        if not isinstance(saved, SavedEpisode) or saved.turns is not None:
+            raise ConfigError(f"saved must be a state that a parallel env's save() returned, got {shortened(saved)}")
         names = list(saved.possible_agents)
         if len(names) == len(self.possible_agents) and names != self.possible_agents:  # else the configs differ
             raise ConfigError(
@@ -345,7 +344,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine.restore(saved.arena, 0)
         self._seed, self.agents = saved.seed, list(saved.agents)
         self._withdrawn, self._truncated = set(saved.withdrawn), saved.truncated
-        self._np_random = None
+        self.__dict__.pop("np_random", None)
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
         self._recorder.replay = None if saved.replay is None else saved.replay.copy()

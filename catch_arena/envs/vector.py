@@ -15,11 +15,10 @@ from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.engine import NO_CHOICES, NO_COMMANDS
 from catch_arena.engine.episode_seeds import batch_seeds, next_seeds
-from catch_arena.envs.actions import action_array, clipped, describe_value
+from catch_arena.envs.actions import action_array, array_of, clipped, describe_value
 from catch_arena.envs.spaces import action_space, vector_space
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import columns, prey_columns
-from catch_arena.plain import whole_number
 from catch_arena.scenarios import scenario as arena_config
 from catch_arena.seeding import arena_seed, checked_seed
 from catch_arena.text import shortened
@@ -241,7 +240,7 @@ class VectorArena:
         if self.num_prey:
             raise ConfigError(f"place() does not support arenas with prey, and this one has {self.num_prey}")
         chosen, config = self._rows(arenas), self.config
-        played, most = np.asarray(steps), (config.time_limit_ms - 1) // config.control_period_ms
+        played, most = array_of(steps), (config.time_limit_ms - 1) // config.control_period_ms
         numbers = played.dtype.kind in "iu" and played.shape in {(), (len(chosen),)}
         if not numbers or not ((played >= 0) & (played <= most)).all():
             raise ConfigError(f"steps must be one or {len(chosen)} numbers from 0 to {most}, got {shortened(steps)}")
@@ -303,7 +302,7 @@ class VectorArena:
             ConfigError: for other numbers, or if the batch was made without `any_control`.
         """
         self._engine.require_any_control()
-        chosen, given = self._rows(arenas), np.asarray(controls)
+        chosen, given = self._rows(arenas), array_of(controls)
         shape = (len(chosen), self.num_hunters)
         if given.shape != shape or given.dtype.kind not in "iu" or not np.isin(given, list(CONTROLS.values())).all():
             raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {describe_value(given)}")
@@ -350,10 +349,7 @@ class VectorArena:
     def _rows(self, arenas: ArrayLike | None) -> NDArray[np.int64]:
         if arenas is None:
             return np.arange(self.num_envs)
-        try:
-            chosen = np.asarray(arenas)
-        except ValueError:  # rows of different lengths
-            chosen = np.array(None)
+        chosen = array_of(arenas)
         if chosen.dtype == np.bool_ and chosen.shape == (self.num_envs,):
             return np.flatnonzero(chosen)
         numbers = chosen.ndim == 1 and (chosen.dtype.kind in "iu" or not chosen.size)
@@ -427,10 +423,7 @@ class VectorArena:
 
     def _row(self, method: str, arena: int) -> int:
         self._require_begun(method)
-        row = whole_number(arena)
-        if row is None or not 0 <= row < self.num_envs:
-            raise ConfigError(f"arena must be a row from 0 to {self.num_envs - 1}, got {shortened(arena)}")
-        return row
+        return require_integer("arena", arena, 0, self.num_envs - 1)
 
 
 def _bodies(name: str, given: ArrayLike, sizes: tuple[int, int, int], bounds: Bounds) -> NDArray[np.float64]:
@@ -439,11 +432,7 @@ def _bodies(name: str, given: ArrayLike, sizes: tuple[int, int, int], bounds: Bo
     `sizes` are the number of arenas, and the least and the greatest number of bodies. `bounds` are the least and the
     greatest value of each column, by its name.
     """
-    try:
-        table = np.asarray(given, dtype=np.float64)
-    except (TypeError, ValueError):
-        table = np.zeros(0)
-    arenas, least, most = sizes
+    table, (arenas, least, most) = array_of(given, np.float64), sizes
     if table.ndim != 3 or table.shape[::2] != (arenas, len(bounds)) or not least <= table.shape[1] <= most:
         shape = f"({arenas}, {most if least == most else f'{least} to {most}'}, {len(bounds)})"
         raise ConfigError(f"{name} must be numbers of the shape {shape}, got {describe_value(given)}")

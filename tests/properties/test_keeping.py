@@ -216,7 +216,7 @@ def test_what_callers_write_into_does_not_change_what_is_saved():
 
 
 def test_what_an_aec_env_cannot_go_on_from_is_refused():
-    """In the words of the parallel env, and nothing changes."""
+    """Nor can the parallel env go on from a turn; nothing changes."""
     env, other = catch_arena.env("duel"), catch_arena.env("standard")
     with pytest.raises(EpisodeError, match=r"cannot call save\(\): no episode has begun; call reset\(\) first"):
         env.save()
@@ -224,10 +224,11 @@ def test_what_an_aec_env_cannot_go_on_from_is_refused():
         one.reset(seed=1)
         one.step(1)
     before = env.digest()
-    with pytest.raises(ConfigError, match=r"saved must be a state that save\(\) returned, got 3"):
-        env.restore(3)
-    with pytest.raises(ConfigError, match=r"saved must be a state that save\(\) returned"):
-        env.restore(env.unwrapped.save())
+    for wrong in (3, env.unwrapped.save()):
+        with pytest.raises(ConfigError, match=r"saved must be a state that an AEC env's save\(\) returned, got "):
+            env.restore(wrong)
+    with pytest.raises(ConfigError, match=r"saved must be a state that a parallel env's save\(\) returned, got "):
+        env.unwrapped.restore(env.save())
     with pytest.raises(ConfigError, match="saved must come from an arena with an equal config"):
         env.restore(other.save())
     assert (env.digest(), env.agent_selection) == (before, "hunter_1")

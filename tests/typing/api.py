@@ -41,7 +41,8 @@ from catch_arena import (
     scenario,
     what_if,
 )
-from catch_arena.envs.aec import CatchArenaAecEnv, SavedTurn
+from catch_arena.envs.aec import CatchArenaAecEnv
+from catch_arena.envs.parallel import SavedEpisode
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.layout import Column
 from catch_arena.messages import CatchTurtleRequest, Pose, Turtle, TurtleArray, Twist
@@ -91,8 +92,7 @@ def one_arena() -> None:
     assert_type(env.restore(env.save()), tuple[dict[str, Any], dict[str, dict[str, Any]]])
     turns = catch_arena.env("standard")
     assert_type(turns.clone(), CatchArenaAecEnv)
-    assert_type(turns.save(), SavedTurn)
-    turns.restore(env.save())  # pyright: ignore[reportArgumentType]
+    assert_type(turns.save(), SavedEpisode)
     parallel_env(infos="masks")  # pyright: ignore[reportArgumentType]
     assert_type(env.replay(), Replay)
     env.step([1, 1])  # pyright: ignore[reportArgumentType]

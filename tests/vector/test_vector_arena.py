@@ -452,7 +452,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
     with pytest.raises(EpisodeError, match=r"^cannot reset single arenas: no episode has begun; call reset\(\)"):
         arena.reset(arenas=[1])
     arena.reset(seed=1)
-    with pytest.raises(ConfigError, match="arena must be a row from 0 to 2, got 3"):
+    with pytest.raises(ConfigError, match="arena must be a whole number from 0 to 2, got 3"):
         arena.digest(3)
     with pytest.raises(ConfigError, match="arenas must be different rows from 0 to 2, or a mask of 3, got"):
         arena.reset(arenas=[3])
