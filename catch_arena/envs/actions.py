@@ -1,76 +1,16 @@
-"""Check of the actions that agents give, and their conversion into the engine's arrays."""
+"""Check of the actions that agents give, one by one or in arrays."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
-from catch_arena.config import ArenaConfig, Control
-from catch_arena.errors import ActionError, suggest
+from catch_arena.config import Control
+from catch_arena.errors import ActionError
 from catch_arena.plain import as_python, plain_action, real_number, whole_number
 from catch_arena.text import shortened
-
-
-class ActionReader:
-    """Reader of the actions of one arena's agents, hunters by seat and then prey by index."""
-
-    def __init__(self, config: ArenaConfig, agents: Sequence[str]) -> None:
-        self.choices = np.zeros((1, config.hunters), dtype=np.int64)
-        """Ranks, as `Engine.step` takes them: (1, H)."""
-        self.commands = np.zeros((1, len(agents), 2), dtype=np.float32)
-        """Fractions of the limits of velocity, as `Engine.step` takes them: (1, N, 2)."""
-        prey_drives: tuple[Control] = ("velocity",)
-        controls = config.controls + prey_drives * config.prey
-        self.seats = dict(zip(agents, enumerate(controls), strict=True))
-        """Row in the engine's arrays and control of each agent; prey has velocity control."""
-        self._ranks = config.targets_seen
-
-    def seat(self, agent: str) -> tuple[int, Control]:
-        """Return that agent's row in the engine's arrays, and its control; raise ActionError for an unknown agent."""
-        seat = self.seats.get(agent) if isinstance(agent, str) else None
-        if seat is None:
-            shown = shortened(agent)
-            near = suggest(agent if isinstance(agent, str) else shown, list(self.seats))
-            raise ActionError(f"unknown agent {shown}: {near}")
-        return seat
-
-    def read(self, agents: Sequence[str], actions: Mapping[str, Any]) -> None:
-        """Write the actions of these agents into `choices` and `commands`; all others hold.
-
-        ActionError is raised for an action that is missing or not legal, and an unknown agent.
-        """
-        if type(actions) is not dict and not isinstance(actions, Mapping):  # isinstance is slower
-            raise ActionError(f"actions must map each agent to its action, got {shortened(actions)}")
-        if len(actions) != len(agents):
-            self._require_complete(agents, actions)
-        choices, commands, seats, ranks = self.choices[0], self.commands, self.seats, self._ranks
-        if len(agents) < len(seats):
-            choices.fill(0)
-            commands.fill(0.0)
-        for agent in agents:
-            row, control = seats[agent]
-            try:
-                action = actions[agent]
-            except KeyError:
-                self._require_complete(agents, actions)
-                raise
-            if control == "target" and type(action) is int and 0 <= action <= ranks:
-                choices[row] = action  # the usual case without another call
-            elif control == "velocity":
-                commands[0, row, 0], commands[0, row, 1] = _checked_command(agent, "an action", action, clip=True)
-            else:
-                choices[row], command = checked_action(control, agent, action, ranks, clip=True)
-                commands[0, row, 0], commands[0, row, 1] = command
-
-    def _require_complete(self, agents: Sequence[str], actions: Mapping[str, Any]) -> None:
-        """Check that each of the agents has an action, and that others are only of agents that have left."""
-        for agent in actions:
-            self.seat(agent)
-        missing = [agent for agent in agents if agent not in actions]
-        if missing:
-            raise ActionError(f"actions must have an action for each agent, got none for {', '.join(missing)}")
 
 
 def checked_action(
@@ -82,14 +22,14 @@ def checked_action(
     of bounds are legal, and are replaced by the nearest bound.
     """
     if control == "velocity":
-        return 0, _checked_command(agent, "an action", action, clip=clip)
+        return 0, checked_command(agent, "an action", action, clip=clip)
     if control == "target":
         return _checked_rank(agent, "an action", action, ranks), (0.0, 0.0)
     named = type(action) is dict or isinstance(action, Mapping)
     if not named or len(action) != 2 or "cmd_vel" not in action or "catch" not in action:
         raise ActionError(f"{agent}: an action must be a mapping with cmd_vel and catch, got {shortened(action)}")
     rank = _checked_rank(agent, "catch", action["catch"], ranks)
-    return rank, _checked_command(agent, "cmd_vel", action["cmd_vel"], clip=clip)
+    return rank, checked_command(agent, "cmd_vel", action["cmd_vel"], clip=clip)
 
 
 def _checked_rank(agent: str, subject: str, action: Any, ranks: int) -> int:
@@ -100,7 +40,8 @@ def _checked_rank(agent: str, subject: str, action: Any, ranks: int) -> int:
     return number
 
 
-def _checked_command(agent: str, subject: str, action: Any, *, clip: bool) -> tuple[float, float]:
+def checked_command(agent: str, subject: str, action: Any, *, clip: bool) -> tuple[float, float]:
+    """Return the two velocities of an action, or of the part of it that `subject` names, as `checked_action` does."""
     pair = action.tolist() if isinstance(action, np.ndarray) else action
     if not isinstance(pair, (list, tuple)):
         pair = plain_action(pair)

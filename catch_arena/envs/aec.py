@@ -11,8 +11,8 @@ from pettingzoo.utils.conversions import parallel_to_aec_wrapper
 from pettingzoo.utils.wrappers import OrderEnforcingWrapper
 
 from catch_arena.config import ArenaConfig
+from catch_arena.envs.dictionaries import Infos
 from catch_arena.envs.parallel import CatchArenaEnv, SavedEpisode
-from catch_arena.envs.results import Infos
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 from catch_arena.text import shortened
 

@@ -18,8 +18,8 @@ from catch_arena.config import RULESET, ArenaConfig, require_choice, require_opt
 from catch_arena.core.rows import TERMINATED, TRUNCATED
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.episode_seeds import episode_seed
-from catch_arena.envs.actions import ActionReader, checked_action
-from catch_arena.envs.results import Infos, Results, of_agents
+from catch_arena.envs.actions import checked_action
+from catch_arena.envs.dictionaries import Dictionaries, Infos, of_agents
 from catch_arena.envs.spaces import action_space, observation_space, vector_space
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError, EpisodeError
@@ -51,8 +51,8 @@ class SavedEpisode(EqualByBits):
     """State of the random generator; None if nothing has drawn from it."""
     replay: Replay | None
     turns: dict[str, Any] | None = None
-    """Of an AEC env: the agent whose turn it is, actions that were given but not played yet, and results of the last
-    step. None from a parallel env.
+    """State of an AEC env's turns: the agent whose turn it is, actions that were given but not played yet, and results
+    of the last step. None from a parallel env.
     """
 
 
@@ -133,8 +133,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._truncated: tuple[str, ...] = ()
         """Agents whose infos have `TimeLimit.truncated` True."""
         self._engine = Engine(config)
-        self._results = Results(self._engine, self.possible_agents, infos)
-        self._actions = ActionReader(config, self.possible_agents)
+        self._dictionaries = Dictionaries(self._engine, self.possible_agents, infos)
         self._display = Display(config, render_mode)
         self._recorder = Recorder(config)
 
@@ -142,12 +141,12 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def observation_space(self, agent: str) -> spaces.Space[Any]:
         """R7.1, R12.4: return the space of that agent's observations; the same object in every call."""
-        self._actions.seat(agent)
+        self._dictionaries.seat(agent)
         return self.observation_spaces[agent]
 
     def action_space(self, agent: str) -> spaces.Space[Any]:
         """R4.1, R4.4, R12.2: return the space of that agent's actions; the same object in every call."""
-        self._actions.seat(agent)
+        self._dictionaries.seat(agent)
         return self.action_spaces[agent]
 
     @cached_property
@@ -160,7 +159,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
     @cached_property
     def action_spaces(self) -> dict[str, spaces.Space[Any]]:
         """Action space of each of `possible_agents`."""
-        return {agent: action_space(self.config, control) for agent, (_, control) in self._actions.seats.items()}
+        return {agent: action_space(self.config, control) for agent, (_, control) in self._dictionaries.seats.items()}
 
     @cached_property
     def state_space(self) -> spaces.Box:
@@ -203,7 +202,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self.agents = self.possible_agents[:]
         if self.render_mode == "human":
             self.render()
-        return self._results.observations(), self._results.infos(self._truncated)
+        return self._dictionaries.observations(), self._dictionaries.infos(self._truncated)
 
     def step(self, actions: Mapping[str, Any]) -> Step:
         """R1.4: play one control period with an action for each of `agents`; actions of agents that left are ignored.
@@ -216,16 +215,16 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             ActionError: for a missing or illegal action, and for an unknown agent.
             EpisodeError: before the first reset, or for actions after the end.
         """
-        agents, engine, reader, results = self.agents, self._engine, self._actions, self._results
+        agents, engine, by_agent = self.agents, self._engine, self._dictionaries
         if not agents:
             self._require_episode("step")
             if actions:
                 raise EpisodeError("cannot call step(): the episode is over; call reset() first")
             return {}, {}, {}, {}, {}  # as PettingZoo's envs; SuperSuit's wrappers need it
-        reader.read(agents, actions)
-        engine.step(reader.choices, reader.commands)  # writes the arrays from which `results` reads
+        by_agent.read(agents, actions)
+        engine.step(by_agent.choices, by_agent.commands)  # writes the arrays from which results are made
         if self._recorder.replay is not None:
-            self._recorder.replay.append(reader.choices[0], reader.commands[0], engine)
+            self._recorder.replay.append(by_agent.choices[0], by_agent.commands[0], engine)
         end, leaving = engine.ends.item(), self._withdrawn
         if self._leaving_rows:
             active = engine.active[0].tolist()
@@ -236,7 +235,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False
         self._truncated = tuple(agent for agent in agents if truncations[agent]) if end else ()
-        observations, rewards, infos = results.observations(), results.rewards(), results.infos(self._truncated)
+        observations, rewards, infos = by_agent.observations(), by_agent.rewards(), by_agent.infos(self._truncated)
         if len(agents) < len(infos):
             observations, rewards = of_agents(agents, observations), of_agents(agents, rewards)
             infos = of_agents(agents, infos)
@@ -248,7 +247,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
 
     def check_action(self, agent: str, action: object) -> None:
         """Raise the ActionError that `step` would raise for that action; the arena does not change."""
-        _, control = self._actions.seat(agent)
+        _, control = self._dictionaries.seat(agent)
         checked_action(control, agent, action, self.config.targets_seen, clip=True)
 
     def withdraw(self, agent: str) -> None:
@@ -257,7 +256,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         The agent is among `agents` for one more step, in which none of its requests is granted. That step ends with its
         termination and its last observation. Withdrawn prey stands still, and can be caught.
         """
-        row, _ = self._actions.seat(agent)
+        row, _ = self._dictionaries.seat(agent)
         if agent not in self.agents:
             raise EpisodeError(f"cannot withdraw {agent}: it is not among the agents of this episode")
         if agent not in self._withdrawn:
@@ -348,7 +347,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
         self._recorder.replay = None if saved.replay is None else saved.replay.copy()
-        observations, infos = self._results.observations(), self._results.infos(self._truncated)
+        observations, infos = self._dictionaries.observations(), self._dictionaries.infos(self._truncated)
         return of_agents(self.agents, observations), of_agents(self.agents, infos)
 
     def clone(self) -> "CatchArenaEnv":

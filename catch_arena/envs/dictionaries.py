@@ -1,12 +1,16 @@
-"""Dictionaries that an env returns, by agent: observations, rewards and infos."""
+"""Dictionaries by agent, which an env takes and returns: actions, observations, rewards and infos."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any, Final, Literal, TypeVar
 
 import numpy as np
 
+from catch_arena.config import Control
 from catch_arena.engine import Engine
+from catch_arena.envs.actions import checked_action, checked_command
+from catch_arena.errors import ActionError, suggest
 from catch_arena.layout import observation_size, prey_observation_size
+from catch_arena.text import shortened
 from catch_arena.verdicts import NO_REQUEST
 
 T = TypeVar("T")
@@ -26,8 +30,8 @@ _USUAL: Final[dict[str, Any]] = {
 _USUAL_WITH_MASK: Final = {**_USUAL, "action_mask": None}
 
 
-class Results:
-    """Maker of dictionaries of all agents, from the engine's arrays of its first arena. Their arrays are copies."""
+class Dictionaries:
+    """Translation between dictionaries of all agents and the arrays of an engine's first arena. Results are copies."""
 
     def __init__(self, engine: Engine, names: Sequence[str], content: Infos) -> None:
         self._engine, self._names, self._content = engine, names, content
@@ -36,15 +40,66 @@ class Results:
         self._observations, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
         self._parts, self._prey_parts = engine.parts[0], engine.prey_parts[0]
         self._rulings, self._verdicts = engine.ruling_rows, engine.ruling_rows[:, 1]  # its column of verdicts
-        self._hunters = list(zip(names, range(config.hunters), config.controls, strict=False))
+        self.choices = np.zeros((1, config.hunters), dtype=np.int64)
+        """Ranks, as `Engine.step` takes them: (1, H)."""
+        self.commands = np.zeros((1, len(names), 2), dtype=np.float32)
+        """Fractions of the limits of velocity, as `Engine.step` takes them: (1, N, 2)."""
+        prey_drives: tuple[Control] = ("velocity",)
+        controls = config.controls + prey_drives * config.prey
+        self.seats = dict(zip(names, enumerate(controls), strict=True))
+        """Row in the engine's arrays and control of each agent."""
+        self._ranks = config.targets_seen
+        self._hunters = [(agent, *self.seats[agent]) for agent in names[: config.hunters]]
         self._prey = list(names[config.hunters :])
+        self._sizes = [observation_size(config)] * config.hunters + [prey_observation_size(config)] * config.prey
         self._team_by_seat = () if config.teams is None else config.team_by_seat
         self._hunters_stay = config.dropout_rate > 0.0 and config.dropouts == "fixed"
-        self._shows_masks = config.mask_in_observation
 
     def __reduce__(self) -> tuple[Any, ...]:
         """Copy and unpickle by building the object again, since its views belong to the engine."""
-        return Results, (self._engine, self._names, self._content)
+        return Dictionaries, (self._engine, self._names, self._content)
+
+    def seat(self, agent: str) -> tuple[int, Control]:
+        """Return that agent's row in the engine's arrays, and its control; raise ActionError for an unknown agent."""
+        if not isinstance(agent, str) or agent not in self.seats:
+            raise ActionError(f"unknown agent {shortened(agent)}: {suggest(shortened(agent), self.seats)}")
+        return self.seats[agent]
+
+    def read(self, agents: Sequence[str], actions: Mapping[str, Any]) -> None:
+        """Write the actions of these agents into `choices` and `commands`; all others hold.
+
+        ActionError is raised for an action that is missing or not legal, and an unknown agent.
+        """
+        if type(actions) is not dict and not isinstance(actions, Mapping):  # isinstance is slower
+            raise ActionError(f"actions must map each agent to its action, got {shortened(actions)}")
+        if len(actions) != len(agents):
+            self._require_complete(agents, actions)
+        choices, commands, seats, ranks = self.choices[0], self.commands, self.seats, self._ranks
+        if len(agents) < len(seats):
+            choices.fill(0)
+            commands.fill(0.0)
+        for agent in agents:
+            row, control = seats[agent]
+            try:
+                action = actions[agent]
+            except KeyError:
+                self._require_complete(agents, actions)
+                raise
+            if control == "target" and type(action) is int and 0 <= action <= ranks:
+                choices[row] = action  # the usual case without another call
+            elif control == "velocity":
+                commands[0, row, 0], commands[0, row, 1] = checked_command(agent, "an action", action, clip=True)
+            else:
+                choices[row], command = checked_action(control, agent, action, ranks, clip=True)
+                commands[0, row, 0], commands[0, row, 1] = command
+
+    def _require_complete(self, agents: Sequence[str], actions: Mapping[str, Any]) -> None:
+        """Check that each of the agents has an action, and that others are only of agents that have left."""
+        for agent in actions:
+            self.seat(agent)
+        missing = [agent for agent in agents if agent not in actions]
+        if missing:
+            raise ActionError(f"actions must have an action for each agent, got none for {', '.join(missing)}")
 
     def rewards(self) -> dict[str, float]:
         """R6.2, R12.5: return the rewards of the last step."""
@@ -53,13 +108,11 @@ class Results:
     def observations(self) -> dict[str, Any]:
         """R7.1, R12.4: return the observations after the last step or reset."""
         seen = self._observations.copy()
-        if self._prey:  # hunters and prey may have observations of different sizes
-            sizes = [observation_size(self._config)] * len(self._hunters)
-            sizes += [prey_observation_size(self._config)] * len(self._prey)
-            observations = {agent: seen[row, : sizes[row]] for row, agent in enumerate(self._names)}
+        if self._prey:
+            observations = {agent: seen[row, : self._sizes[row]] for row, agent in enumerate(self._names)}
         else:
             observations = dict(zip(self._names, seen))  # noqa: B905
-        if self._shows_masks:
+        if self._config.mask_in_observation:
             masks = self._masks.copy()
             for agent, seat, control in self._hunters:
                 if control == "target":
@@ -68,13 +121,13 @@ class Results:
 
     def infos(self, truncated: Sequence[str]) -> dict[str, dict[str, Any]]:
         """R7.2: return the infos that `CatchArenaEnv` lists; for `truncated` agents, `TimeLimit.truncated` is True."""
+        if self._content == "none":
+            return {agent: {} for agent in self._names}
         infos: dict[str, dict[str, Any]] = {}
         masks = self._masks.copy()
-        if self._content != "full":
-            infos |= {agent: {} for agent in self._names}
-            for agent, seat, control in self._hunters:
-                if self._content == "mask" and control != "velocity":
-                    infos[agent]["action_mask"] = masks[seat]
+        if self._content == "mask":
+            for agent, (row, control) in self.seats.items():
+                infos[agent] = {} if control == "velocity" else {"action_mask": masks[row]}
             return infos
         verdicts, parts = self._verdicts.tolist(), self._parts.copy()
         rulings = self._rulings.astype(np.int64).tolist() if any(verdicts) else ()
