@@ -128,6 +128,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._leaving_rows = [row for row, agent_leaves in enumerate(leaves) if agent_leaves]
         """Rows of the agents that leave when they are no longer active."""
         self._seed: int | None = None
+        self._np_random: np.random.Generator | None = None
         self._withdrawn: set[str] = set()
         """Agents that `withdraw` has named in this episode."""
         self._truncated: tuple[str, ...] = ()
@@ -166,12 +167,14 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """R7.3: space of the global state."""
         return vector_space(state_columns(self.config))
 
-    @cached_property
+    @property
     def np_random(self) -> np.random.Generator:
         """Random generator for wrappers that draw at random, such as SuperSuit's frame_skip_v0. The episode's seed
         determines it, and no rule of the game reads it.
         """
-        return np.random.default_rng(self._seed)
+        if self._np_random is None:
+            self._np_random = np.random.default_rng(self._seed)
+        return self._np_random
 
     # playing
 
@@ -195,7 +198,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._seed = episode_seed(seed, self._seed)
         follows = seed is None and not self.agents
         self._truncated = self._truncated if follows else ()
-        self.__dict__.pop("np_random", None)  # its first use in an episode makes it
+        self._np_random = None
         self._engine.reset([self._seed])
         self._recorder.begin(self._seed, self._engine)
         self._withdrawn.clear()
@@ -319,7 +322,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             agents=tuple(self.agents),
             withdrawn=frozenset(self._withdrawn),
             truncated=self._truncated,
-            np_random=self.np_random.bit_generator.state if "np_random" in self.__dict__ else None,
+            np_random=None if self._np_random is None else self._np_random.bit_generator.state,
             replay=None if replay is None else replay.copy(),
         )
 
@@ -343,7 +346,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         self._engine.restore(saved.arena, 0)
         self._seed, self.agents = saved.seed, list(saved.agents)
         self._withdrawn, self._truncated = set(saved.withdrawn), saved.truncated
-        self.__dict__.pop("np_random", None)
+        self._np_random = None
         if saved.np_random is not None:
             self.np_random.bit_generator.state = saved.np_random
         self._recorder.replay = None if saved.replay is None else saved.replay.copy()

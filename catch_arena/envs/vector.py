@@ -208,9 +208,7 @@ class VectorArena:
         else:
             seeds = batch_seeds(arena_seed(seed), self.num_envs)[chosen]
         self._engine.reset(seeds, chosen)
-        self._has_begun = True
-        self._ended[chosen] = False
-        return self._reset_results()
+        return self._begun()
 
     def place(
         self, hunters: ArrayLike, targets: ArrayLike, *, steps: ArrayLike = 0, arenas: ArrayLike | None = None
@@ -255,10 +253,11 @@ class VectorArena:
         hunters = _bodies("hunters", hunters, (len(chosen), config.hunters, config.hunters), of_hunters)
         targets = _bodies("targets", targets, (len(chosen), 0, config.max_targets), of_targets)
         self._engine.place_batch(chosen, hunters, targets, played)
-        self._update_ends()
-        return self._reset_results()
+        return self._begun()
 
-    def _reset_results(self) -> Begun:
+    def _begun(self) -> Begun:
+        self._has_begun = True
+        self._update_ends()
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
     def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> StepResults:
@@ -386,9 +385,7 @@ class VectorArena:
             EpisodeError: for a single arena before the first reset.
         """
         self._engine.restore(saved, None if arena is None else self._row("restore", arena))
-        self._update_ends()
-        self._has_begun = True
-        return self._reset_results()
+        return self._begun()
 
     def clone(self) -> "VectorArena":
         """Return an independent batch in the same state; `copy.deepcopy` does the same."""

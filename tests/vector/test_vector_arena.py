@@ -155,7 +155,8 @@ def test_r4_4_arenas_of_one_batch_may_differ_in_their_controls(size):
 
 
 @pytest.mark.parametrize(
-    ("controls", "arenas"), [([[0, 3]], [0]), ([[0, 0.5]], [0]), ([[0, 1], [0, 1]], [0]), ("target", None)]
+    ("controls", "arenas"),
+    [([[0, 3]], [0]), ([[0, 0.5]], [0]), ([[0, 1]] * 2, [0]), ([[0], [0, 1]], None), ("target", None)],
 )
 def test_controls_that_cannot_be_are_refused(controls, arenas):
     """Any are refused if the arena was made without any_control."""
