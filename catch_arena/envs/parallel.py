@@ -196,8 +196,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         """
         require_options(options)
         self._seed = episode_seed(seed, self._seed)
-        follows = seed is None and not self.agents
-        self._truncated = self._truncated if follows else ()
+        if seed is not None or self.agents:  # else the infos repeat `TimeLimit.truncated`
+            self._truncated = ()
         self._np_random = None
         self._engine.reset([self._seed])
         self._recorder.begin(self._seed, self._engine)
@@ -390,11 +390,10 @@ def _agent_names(given: str | Sequence[str] | None, usual: list[str]) -> list[st
     if isinstance(given, str) and "{seat" in given:
         with suppress(ValueError, LookupError, AttributeError, TypeError):  # it is no pattern
             names = [given.format(seat=seat) for seat in range(len(usual))]
-    if not isinstance(names, list | tuple) or not all(isinstance(name, str) and name for name in names):
+    are_names = isinstance(names, list | tuple) and all(isinstance(name, str) and name for name in names)
+    if not are_names or not len(set(names)) == len(names) == len(usual):
         pattern = 'a pattern such as "agent_{seat}" or "agent_{seat:02d}"'
-        raise ConfigError(f"agent_names must be {pattern}, or a list of names, got {shortened(given)}")
-    if not len(set(names)) == len(names) == len(usual):
-        raise ConfigError(f"agent_names must be {len(usual)} different names, got {shortened(given)}")
+        raise ConfigError(f"agent_names must be {pattern}, or {len(usual)} different names, got {shortened(given)}")
     return list(names)
 
 

@@ -245,10 +245,10 @@ class VectorArena:
         played = np.broadcast_to(played.astype(np.int64), len(chosen))
         elapsed_s = played[:, None] * config.control_period_ms / 1000.0
         oldest = np.nextafter(elapsed_s + 0.0005, 0.0)  # ages are rounded to the millisecond
-        fastest, moving = np.array(config.max_speeds), config.target_speed_mps if config.targets_move else 0.0
         place, turn = (0.0, config.side_m), (-MAX_HEADING_RAD, MAX_HEADING_RAD)
         pose: Bounds = {"x": place, "y": place, "a heading": turn}
-        of_hunters = pose | {"a velocity": (-fastest if config.reverse else 0.0, fastest)}
+        of_hunters = pose | {"a velocity": (config.min_speeds, config.max_speeds)}
+        moving = config.target_speed_mps if config.targets_move else 0.0
         of_targets = pose | {"a velocity": (0.0, moving), "an age": (0.0, oldest)}
         hunters = _bodies("hunters", hunters, (len(chosen), config.hunters, config.hunters), of_hunters)
         targets = _bodies("targets", targets, (len(chosen), 0, config.max_targets), of_targets)
