@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
 from catch_arena.config import RULESET, ArenaConfig, require_choice, require_options
-from catch_arena.core.rows import TERMINATED, TRUNCATED
+from catch_arena.core import rows
 from catch_arena.engine import Engine, SavedState
 from catch_arena.engine.episode_seeds import episode_seed
 from catch_arena.envs.actions import checked_action
@@ -232,8 +232,10 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._leaving_rows:
             active = engine.active[0].tolist()
             leaving = leaving.union(self.possible_agents[row] for row in self._leaving_rows if not active[row])
-        terminations = dict.fromkeys(agents, end == TERMINATED)
-        truncations = dict.fromkeys(agents, end == TRUNCATED)
+        terminations = dict.fromkeys(agents, False)
+        truncations = terminations.copy()
+        if end:
+            (terminations if end == rows.TERMINATED else truncations).update(dict.fromkeys(agents, True))
         for agent in leaving:
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False
