@@ -87,7 +87,7 @@ def array_of(given: Any, dtype: DTypeLike | None = None) -> NDArray[Any]:
     """Return an argument as an array; the array of None if NumPy cannot read it, such as rows of different length."""
     try:
         return np.asarray(given, dtype)
-    except (TypeError, RuntimeError, ValueError):  # the first two of tensors on a graphics card, or with a gradient
+    except Exception:  # noqa: BLE001 - foreign objects may raise anything, as tensors on a graphics card do
         return np.array(None)
 
 

@@ -304,7 +304,7 @@ class VectorArena:
         chosen, given = self._rows(arenas), array_of(controls)
         shape = (len(chosen), self.num_hunters)
         if given.shape != shape or given.dtype.kind not in "iu" or not np.isin(given, list(CONTROLS.values())).all():
-            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {describe_value(given)}")
+            raise ConfigError(f"controls must be {shape} numbers from 0 to 2, got {describe_value(controls)}")
         self._engine.controls[chosen] = given
 
     def _update_ends(self) -> None:
