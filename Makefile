@@ -43,7 +43,7 @@ extras: $(VENV)/ready-dev $(VENV)/ready-extras ## run the tests that need large 
 	$(BIN)/pytest -m extras tests
 
 train: $(VENV)/ready-dev $(VENV)/ready-torch ## run short trainings (torch: 3 GB)
-	$(BIN)/pytest $(SPREAD) -m torch tests
+	$(BIN)/pytest $(SPREAD) -m 'torch and not nightly' tests
 
 hostile: $(VENV)/ready-dev ## run agents that attack the tournament, its results and each other
 	$(BIN)/pytest $(WORKERS) -m 'hostile and not nightly' tests
@@ -51,7 +51,7 @@ hostile: $(VENV)/ready-dev ## run agents that attack the tournament, its results
 nightly: long laws boundscheck numba coverage mutate compat pythons ## run all tests that take long, among them compat, pythons, and ros on each Python
 	$(BIN)/python scripts/ros_nodes.py --all
 
-long: $(VENV)/ready-dev ## run the tests that are marked nightly
+long: $(VENV)/ready-dev $(VENV)/ready-torch ## run the tests that are marked nightly
 	$(BIN)/pytest $(WORKERS) -m nightly tests
 
 laws: $(VENV)/ready-dev ## run the property tests at length, with a million steps of engine against oracle
@@ -89,7 +89,7 @@ window: $(VENV)/ready-dev ## play in a real window, on an X server without a scr
 	$(BIN)/pytest tests/window
 
 ros: $(VENV)/ready-dev ## play and grade with real ROS 2 nodes (needs a compiler, and 700 MB in .venv-ros)
-	$(BIN)/python scripts/ros_nodes.py
+	$(BIN)/python scripts/ros_nodes.py $(ROS)
 
 pythons: $(VENV)/ready-dev ## try each installed CPython, with the newest and the oldest dependencies
 	$(BIN)/python scripts/pythons.py

@@ -89,12 +89,17 @@ def test_both_sides_of_tag_learn_and_play_in_a_tournament(tmp_path):
     ("name", "options", "sides"),
     [
         ("standard", "--learn seat --opponents nearest,intercept", {"seat": "Mlp.save"}),
-        ("standard", "--learn seat --network pointer --self-play 0 --hold 3", {"seat": "PointerNetwork.save"}),
         ("partners", "--learn team --opponents together", {"team": "Mlp.save"}),
         ("pack", "--learn hunters,prey --network pointer", {"hunters": "PointerNetwork.save", "prey": "Mlp.save"}),
-        ("tag", "--learn seat", {"seat": "Mlp.save"}),
-        ("tag", "--learn prey --opponents nearest,random --prey-opponents corners", {"prey": "Mlp.save"}),
-        ("herd", "--learn seat,prey --self-play 1 --hold 2", {"seat": "Mlp.save", "prey": "Mlp.save"}),
+        *(
+            pytest.param(*values, marks=pytest.mark.nightly)
+            for values in (
+                ("standard", "--learn seat --network pointer --self-play 0 --hold 3", {"seat": "PointerNetwork.save"}),
+                ("tag", "--learn seat", {"seat": "Mlp.save"}),
+                ("tag", "--learn prey --opponents nearest,random --prey-opponents corners", {"prey": "Mlp.save"}),
+                ("herd", "--learn seat,prey --self-play 1 --hold 2", {"seat": "Mlp.save", "prey": "Mlp.save"}),
+            )
+        ),
     ],
 )
 def test_any_side_of_a_scenario_learns(tmp_path, name, options, sides):

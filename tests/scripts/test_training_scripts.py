@@ -141,7 +141,12 @@ def test_curves_of_several_seeds_are_one_table(tmp_path):
 
 @pytest.mark.torch
 @pytest.mark.parametrize(
-    ("head", "opponents"), [("destination", "triage,nearest"), ("rank", "contested"), ("velocity", "patrol")]
+    ("head", "opponents"),
+    [
+        ("destination", "triage,nearest"),
+        ("velocity", "patrol"),
+        pytest.param("rank", "contested", marks=pytest.mark.nightly),
+    ],
 )
 def test_a_short_run_leaves_an_agent_that_plays(tmp_path, head, opponents):
     out = tmp_path / "run"
@@ -391,7 +396,14 @@ def test_past_selves_that_win_are_met_more_often(module, monkeypatch):
 
 
 @pytest.mark.torch
-@pytest.mark.parametrize(("name", "control"), [("duel", "target"), ("partners", "target"), ("pack", "velocity")])
+@pytest.mark.parametrize(
+    ("name", "control"),
+    [
+        ("pack", "velocity"),
+        pytest.param("duel", "target", marks=pytest.mark.nightly),
+        pytest.param("partners", "target", marks=pytest.mark.nightly),
+    ],
+)
 def test_the_short_example_leaves_an_agent_that_plays(tmp_path, name, control):
     output = run("examples/train_sb3.py", "--out", tmp_path / "sb3", "--scenario", name, "--steps", 8192)
     assert "check-agent" in output
