@@ -42,8 +42,8 @@ from catch_arena.scenarios import scenario
 from catch_arena.steering import drive_each
 from catch_arena.training.destinations import destinations
 from catch_arena.training.flat import COMMANDS, FlatAgent
-from catch_arena.training.mixed import MixedBatch, play_matches
 from catch_arena.training.networks import Mlp
+from catch_arena.training.player_batch import PlayerBatch, play_matches
 from catch_arena.training.players import LEARNER, Rows
 
 SNAPSHOT = 500_000  # decisions between two past selves
@@ -189,14 +189,14 @@ class Pointer(ppo.Network):
 class Learner:
     """A side that learns: its network, and what its present network has played since the last update."""
 
-    def __init__(self, word: str, settings: Namespace, batch: MixedBatch) -> None:
+    def __init__(self, word: str, settings: Namespace, batch: PlayerBatch) -> None:
         self.word, self.settings, self.batch = word, settings, batch
         self.side: Side = "prey" if word == "prey" else "hunter"
         if settings.network == "pointer" and self.side == "hunter":
             self.network: Flat | Pointer = Pointer("destination", settings.hidden, settings.prior)
         else:
             size = prey_observation_size if self.side == "prey" else observation_size
-            self.network = Flat(size(batch.config), settings.hidden, settings.scenario)
+            self.network = Flat(size(batch.arena.config), settings.hidden, settings.scenario)
         self.optimiser = torch.optim.Adam(self.network.parameters(), ppo.RATE, eps=1e-5)
         self.decisions = 0
         self.kept: list[tuple[Tensor, ...]] = []  # of the agents that decide, by step
@@ -259,7 +259,7 @@ class Run:
         if config.prey:
             self.scripts["prey"] = settings.prey_opponents.split(",")
         self.draw = np.random.default_rng(settings.seed)
-        self.batch = MixedBatch(config, settings.arenas, self.scripts)
+        self.batch = PlayerBatch.of(config, settings.arenas, self.scripts)
         self.learners = [Learner(word, settings, self.batch) for word in settings.learn]
         learning = [one.side for one in self.learners]
         self.homes = [place for place, party in enumerate(self.parties) if party.side in learning]
@@ -309,7 +309,8 @@ class Run:
             commands = np.zeros((*self.batch.seated.shape, 2), np.float32)
             for one in learners:
                 one.command(commands, playing)
-            rewards, over = self.batch.step(commands)
+            rewards, terminations, truncations, _ = self.batch.step(commands)
+            over = terminations | truncations
             gained[playing] += rewards[playing]
             playing &= ~over
             if over.any():

@@ -20,7 +20,7 @@ from catch_arena.tournament.agent_spec import LADDER, ladder_names
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.intervals import Estimate, ratios, shares
 from catch_arena.tournament.statistics.outcomes import Floats
-from catch_arena.training.mixed import play_matches
+from catch_arena.training.player_batch import play_matches
 
 SEED: Final = 51
 """Seed of all matches; it is public."""

@@ -2,12 +2,19 @@
 
 docs/howto/training.md shows their use.
 
-- batch: many arenas in which some seats learn. players: agents and the seats that they play. opponents: those that are
-  drawn for the seats of hunters that do not learn. compiled: a decision for one hunter, compiled for many hunters.
-- sb3, gymnasium_vector, torchrl: adapters, one for each library.
-- networks: a trained network in NumPy. fitting: an observation in the width that a network was trained with.
-- destinations, pointer: candidate places as inputs of a network, and the networks that choose one.
-- mixed: many arenas whose hunters and prey each have a player. flat: agents that choose a command by a network.
+Arenas with players:
+
+- players: an agent in a batch, and the seats that the agents of one side play. opponents: those that are drawn.
+- player_batch: arenas whose seats the caller gives to players and learners.
+- learner_batch: a `PlayerBatch` that draws its opponents, with a row for each learner.
+- sb3, gymnasium_vector, torchrl: `LearnerBatch` for each library.
+- compiled: a decision for one hunter, compiled for many; scripted agents in agents/ act in batches by it.
+
+Trained networks:
+
+- networks: a perceptron in NumPy. columns_by_name: an observation with the columns that a network was trained with.
+- flat: agents whose perceptron chooses a command from the observation.
+- destinations, pointer: the places that a hunter can go to, with features, and agents whose network chooses one.
 
 Names of this package load on first use. An adapter raises a ConfigError if its library is missing.
 """
@@ -16,22 +23,22 @@ TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import Any
 
-    from catch_arena.training.batch import LearnerBatch as LearnerBatch
-    from catch_arena.training.fitting import fit_mask as fit_mask
-    from catch_arena.training.fitting import fit_observation as fit_observation
+    from catch_arena.training.columns_by_name import fit_mask as fit_mask
+    from catch_arena.training.columns_by_name import fit_observation as fit_observation
     from catch_arena.training.gymnasium_vector import GymnasiumVectorEnv as GymnasiumVectorEnv
+    from catch_arena.training.learner_batch import LearnerBatch as LearnerBatch
     from catch_arena.training.networks import Mlp as Mlp
     from catch_arena.training.sb3 import SB3VecEnv as SB3VecEnv
     from catch_arena.training.torchrl import TorchRLEnv as TorchRLEnv
 
 _HOMES = {
     "GymnasiumVectorEnv": "gymnasium_vector",
-    "LearnerBatch": "batch",
+    "LearnerBatch": "learner_batch",
     "Mlp": "networks",
     "SB3VecEnv": "sb3",
     "TorchRLEnv": "torchrl",
-    "fit_mask": "fitting",
-    "fit_observation": "fitting",
+    "fit_mask": "columns_by_name",
+    "fit_observation": "columns_by_name",
 }
 _EXTRAS = {"stable_baselines3": "sb3", "torch": "torchrl", "torchrl": "torchrl", "tensordict": "torchrl"}
 """The extra of the package that installs each library."""

@@ -10,7 +10,7 @@ from catch_arena.batch_policy import BatchView, PreyBatchView
 from catch_arena.config import ArenaConfig, Control
 from catch_arena.errors import ConfigError
 from catch_arena.policy import PreyView, View
-from catch_arena.training.fitting import fit_observation
+from catch_arena.training.columns_by_name import fit_observation
 from catch_arena.training.networks import Mlp
 
 COMMANDS: Final = np.array([(speed, turn) for speed in (0, 0.5, 1) for turn in (-1, -0.3, 0, 0.3, 1)], np.float32)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig, require_options
 from catch_arena.errors import ConfigError
 from catch_arena.plain import as_python
-from catch_arena.training.batch import LearnerBatch
+from catch_arena.training.learner_batch import LearnerBatch
 
 
 class GymnasiumVectorEnv(VectorEnv[Any, Any, Any]):

@@ -12,7 +12,7 @@ from stable_baselines3.common.vec_env.base_vec_env import VecEnv
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
-from catch_arena.training.batch import LearnerBatch, LearnerStep
+from catch_arena.training.learner_batch import LearnerBatch, LearnerStep
 
 
 class SB3VecEnv(VecEnv):  # type: ignore[misc]  # stable-baselines3 may be missing

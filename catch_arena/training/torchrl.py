@@ -12,7 +12,7 @@ from torchrl.envs import EnvBase
 
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import ConfigError
-from catch_arena.training.batch import LearnerBatch
+from catch_arena.training.learner_batch import LearnerBatch
 
 GROUP = "hunters"
 """Key of the learners' tensors, (B, learners, ...) each."""

@@ -19,7 +19,7 @@ from catch_arena.tournament.loading import create_policy
 from catch_arena.tournament.players import enter
 from catch_arena.training import Mlp
 from catch_arena.training.flat import COMMANDS
-from catch_arena.training.mixed import play_matches
+from catch_arena.training.player_batch import play_matches
 from catch_arena.training.pointer import PointerNetwork, weight_shapes
 
 ROOT = Path(__file__).parents[2]

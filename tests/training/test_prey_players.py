@@ -97,7 +97,7 @@ def test_prey_with_act_batch_is_called_once_a_step_for_the_prey_of_all_arenas():
     batch.reset(seed=1)
     batch.reset(arenas=[1])
     size, limits = prey_observation_size(batch.config), PreyLimits.of(batch.config)
-    rows = batch._seen[:, 4:, :size].reshape(12, -1).copy()
+    rows = batch._batch.observations[:, 4:, :size].reshape(12, -1).copy()
     for _ in range(5):
         batch.step(hold(batch))
     assert (len(prey.views), len(prey.seeds)) == (5, 1)

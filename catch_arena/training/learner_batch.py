@@ -1,6 +1,6 @@
 """Batches of arenas in which some seats learn: a row for each learner, and arrays that are copies.
 
-The adapters for training libraries are built on this module.
+The adapters for training libraries are built on this module, and this one on `PlayerBatch`.
 """
 
 import copy
@@ -17,13 +17,14 @@ from catch_arena.engine import SavedState
 from catch_arena.envs.actions import clipped
 from catch_arena.envs.vector import VectorArena
 from catch_arena.equality import EqualByBits
-from catch_arena.errors import ConfigError, EpisodeError
+from catch_arena.errors import ConfigError
 from catch_arena.layout import Column, columns
+from catch_arena.policy import Side
 from catch_arena.scenarios import scenario as arena_config
-from catch_arena.seeding import arena_seed
 from catch_arena.text import shortened
 from catch_arena.tournament.entrants import SHIPPED_PREY
 from catch_arena.training.opponents import Opponents, Pool
+from catch_arena.training.player_batch import PlayerBatch
 from catch_arena.training.players import LEARNER, Players, Rows, action_arrays
 
 
@@ -63,7 +64,7 @@ class SavedLearners(EqualByBits):
 
     arena: SavedState
     players: tuple[Mapping[str, Any], ...]
-    """States of the opponents and of the prey, as far as the batch has them."""
+    """States of the opponents, none if all learn, and of the prey if there is some."""
     seats: NDArray[np.int64]
     """Seats of the learners, (B, learners)."""
     rng: Mapping[str, Any]
@@ -129,9 +130,12 @@ class LearnerBatch:
             None if opponents is None else Opponents(config, self.num_envs, opponents, distinct=distinct)
         )
         """The opponents, or None; `add` and `weigh` change the pool for the episodes that begin after the call."""
-        agent = SHIPPED_PREY if prey_agent is None else prey_agent
-        self._prey = Players(config, self.num_envs, "prey", "prey", [agent]) if config.prey else None
-        self._players: Final = [players for players in (self.opponents, self._prey) if players is not None]
+        hunters = self.opponents or Players(config, self.num_envs, "hunter", "opponent", ())
+        players: dict[Side, Players] = {"hunter": hunters}
+        if config.prey:
+            agent = SHIPPED_PREY if prey_agent is None else prey_agent
+            players["prey"] = Players(config, self.num_envs, "prey", "prey", [agent])
+        self._batch: Final = PlayerBatch(self.arena, players)
         self._control: Final = config.controls[0]
         self.action_space: Final = self.arena.action_space()
         self.columns: Final[tuple[Column, ...]] = columns(config)
@@ -143,14 +147,10 @@ class LearnerBatch:
             largest = np.maximum(np.abs(low), np.abs(high))
             self.scale = np.where(largest > 0, largest, 1).astype(np.float32)
             self.observation_space = spaces.Box(low / self.scale, high / self.scale, dtype=np.float32)
-        shape, agents = (self.num_envs, config.hunters), config.hunters + config.prey
-        self._choices, self._commands = np.zeros(shape, np.int64), np.zeros((self.num_envs, agents, 2), np.float32)
+        self._choices = np.zeros((self.num_envs, config.hunters), np.int64)
+        self._commands = np.zeros((self.num_envs, config.hunters + config.prey, 2), np.float32)
         self._arenas: Final = np.repeat(np.arange(self.num_envs), self.learners)
         self._seats = np.tile(np.arange(self.learners), (self.num_envs, 1))
-        self._rng = np.random.default_rng(0)
-        self._has_begun = False
-        self._seen: NDArray[np.float32] = np.zeros((self.num_envs, agents, len(self.columns)), np.float32)
-        self._masks: NDArray[np.int8] = np.ones((*shape, 0), np.int8)
 
     @property
     def seats(self) -> NDArray[np.int64]:
@@ -160,7 +160,7 @@ class LearnerBatch:
     @property
     def masks(self) -> NDArray[np.bool_]:
         """Choices that are legal now, (N, K + 1); (N, 0) under velocity control."""
-        return self._legal(self._masks, self._rows)
+        return self._legal(self._batch.masks, self._rows)
 
     def close(self) -> None:
         """Do nothing: the batch holds nothing that must be released."""
@@ -177,22 +177,14 @@ class LearnerBatch:
         Returns:
             the observations (N, D) and masks (N, K + 1) of all learners.
         """
-        if arenas is not None:
-            self._require_begun("reset() of single arenas")
-        elif seed is not None or not self._has_begun:
-            seed = arena_seed(seed)
-            self._rng = np.random.default_rng(seed)
-            if self.opponents is not None:
-                order = np.arange(self.num_envs)[:, None] + np.arange(self.learners)
-                self._seats = (order - 1) % self.config.hunters  # they move on by a seat before they play
-            for players in self._players:
-                players.begin(self._rng)
-        observations, infos = self.arena.reset(seed, arenas)
+        seats_restart = arenas is None and (seed is not None or not self._batch.has_begun)
+        self._batch.reset(seed, arenas)
         rows = np.arange(self.num_envs)
-        chosen = rows if arenas is None else rows[np.asarray(arenas) if np.size(arenas) else []]
-        self._take(observations, infos)
-        self._begin(chosen)
-        return self._normalised(self._seen, self._rows), self.masks
+        if seats_restart and self.opponents is not None:
+            order = rows[:, None] + np.arange(self.learners)
+            self._seats = (order - 1) % self.config.hunters  # they move on by a seat before they play
+        self._begin(rows if arenas is None else rows[np.asarray(arenas) if np.size(arenas) else []])
+        return self._normalised(self._batch.observations, self._rows), self.masks
 
     def step(self, actions: ArrayLike | Mapping[str, ArrayLike]) -> LearnerStep:
         """R1.4: play one step of every arena.
@@ -207,20 +199,15 @@ class LearnerBatch:
                 it raised at the start of a new episode, all arenas must be reset.
             EpisodeError: before the first reset.
         """
-        self._require_begun("step()")
+        self._batch.require_begun("step()")
         self._place(actions)
-        if self._players:
-            self.arena.check_actions(self._choices, self._commands)  # before the agents act: they cannot undo it
-        for players in self._players:
-            players.act(self._seen, self._masks, self._choices, self._commands)
         arenas, seats = self._rows
-        observations, rewards, terminations, truncations, infos = self.arena.step(self._choices, self._commands)
-        self._take(observations, infos)
+        rewards, terminations, truncations, infos = self._batch.step(self._commands, self._choices)
         over = terminations | truncations
         ended = np.flatnonzero(over[arenas])
         last = arenas[ended], seats[ended]
-        final = self._normalised(infos.get("final_obs", self._seen), last)
-        final_masks = self._legal(infos.get("final_mask", self._masks), last)
+        final = self._normalised(infos.get("final_obs", self._batch.observations), last)
+        final_masks = self._legal(infos.get("final_mask", self._batch.masks), last)
         figures: dict[str, NDArray[np.float32]] = {}
         if len(ended) and self.arena.auto_reset:
             episode = infos["episode"]
@@ -231,7 +218,7 @@ class LearnerBatch:
                     figures[name] = table[seated != LEARNER].reshape(len(ended), -1)
             self._begin(np.flatnonzero(over))
         return LearnerStep(
-            self._normalised(self._seen, self._rows),
+            self._normalised(self._batch.observations, self._rows),
             self.masks,
             rewards[arenas, seats],
             terminations[arenas],
@@ -252,12 +239,12 @@ class LearnerBatch:
             AgentError: if an agent cannot be copied; it names the agent.
             EpisodeError: before the first reset.
         """
-        self._require_begun("save()")
+        self._batch.require_begun("save()")
         return SavedLearners(
             arena=self.arena.save(),
-            players=tuple(players.save() for players in self._players),
+            players=tuple(players.save() for players in self._batch.players.values()),
             seats=self.seats,
-            rng=self._rng.bit_generator.state,
+            rng=self._batch.rng.bit_generator.state,
         )
 
     def restore(self, saved: SavedLearners) -> tuple[NDArray[np.float32], NDArray[np.bool_]]:
@@ -273,14 +260,13 @@ class LearnerBatch:
             raise ConfigError(f"saved must be a SavedLearners from save(), got {shortened(saved)}")
         if saved.seats.shape[1] != self.learners:  # if equal, both or none have opponents
             raise ConfigError(f"saved must come from a batch with learners={self.learners}, got {saved.seats.shape[1]}")
-        observations, infos = self.arena.restore(saved.arena)
-        for players, kept in zip(self._players, saved.players, strict=True):
+        begun = self.arena.restore(saved.arena)
+        for players, kept in zip(self._batch.players.values(), saved.players, strict=True):
             players.restore(kept)
         self._seats = saved.seats.copy()
-        self._rng.bit_generator.state = saved.rng
-        self._take(observations, infos)
-        self._has_begun = True
-        return self._normalised(self._seen, self._rows), self.masks
+        self._batch.rng.bit_generator.state = saved.rng
+        self._batch.take(*begun)
+        return self._normalised(self._batch.observations, self._rows), self.masks
 
     def clone(self) -> "LearnerBatch":
         """Return an independent copy of the batch in the same state; `copy.deepcopy` does the same.
@@ -295,28 +281,17 @@ class LearnerBatch:
         """Arena and seat of each learner."""
         return self._arenas, self._seats.reshape(-1)
 
-    def _take(self, observations: NDArray[np.float32], infos: Mapping[str, Any]) -> None:
-        self._seen = observations
-        self._masks = infos.get("action_mask", self._masks)
-
     def _begin(self, arenas: NDArray[np.int64]) -> None:
         """Begin episodes of these arenas: move the learners on by a seat, draw opponents, and seat the prey."""
-        self._has_begun = False  # until all have begun: an agent that raises here leaves seats without a player
+        hunters, others = self.config.hunters, self.config.hunters - self.learners
+        numbers, seats = np.full((len(arenas), hunters + self.config.prey), LEARNER), None
+        numbers[:, hunters:] = 0
         if self.opponents is not None:
-            hunters = self.config.hunters
             self._seats = self._seats.copy()
             self._seats[arenas] = own = (self._seats[arenas] + 1) % hunters
-            others = (own[:, -1:] + np.arange(1, 1 + hunters - self.learners)) % hunters
-            drawn = self.opponents.draw(len(arenas), hunters - self.learners, self._rng)
-            self.opponents.seat(arenas, others, drawn, self._rng)
-            self.arena.set_controls(self.opponents.controls(arenas, self._control), arenas)
-        if self._prey is not None:
-            self._prey.seat(arenas, None, np.zeros((len(arenas), self.config.prey), np.int64), self._rng)
-        self._has_begun = True
-
-    def _require_begun(self, call: str) -> None:
-        if not self._has_begun:
-            raise EpisodeError(f"{call} was called before the first reset; call reset() first")
+            seats = (own[:, -1:] + np.arange(1, 1 + hunters)) % hunters  # opponents, then learners
+            numbers[:, :others] = self.opponents.draw(len(arenas), others, self._batch.rng)
+        self._batch.seat(arenas, numbers, seats)
 
     def _place(self, actions: Any) -> None:
         """Write the learners' actions at their seats, and zeros at the other seats; the arena checks them."""

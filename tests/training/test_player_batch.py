@@ -7,12 +7,12 @@ import catch_arena
 from catch_arena import Limits, PreyLimits, VectorArena, View, scenario
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.engine.episode_seeds import batch_seeds
-from catch_arena.errors import AgentError, ConfigError, EpisodeError
+from catch_arena.errors import ActionError, AgentError, ConfigError, EpisodeError
 from catch_arena.layout import prey_columns
 from catch_arena.policy import control_of
 from catch_arena.tournament.agent_spec import resolve
 from catch_arena.tournament.loading import create_policy
-from catch_arena.training.mixed import MixedBatch, play_matches
+from catch_arena.training.player_batch import PlayerBatch, play_matches
 from catch_arena.training.players import LEARNER
 
 SHORT = {"max_cycles": 25, "reach_m": 1.0}
@@ -57,7 +57,7 @@ def drawn(batch, source, count):
 def test_learners_and_agents_of_any_control_play_what_a_vector_arena_plays(name, players):
     """The agents' actions are computed one by one; the players change from episode to episode."""
     config = scenario(name, control="velocity", **SHORT)
-    batch, plain = MixedBatch(config, 4, players), VectorArena(config, 4, any_control=True)
+    batch, plain = PlayerBatch.of(config, 4, players), VectorArena(config, 4, any_control=True)
     policies, source = loaded(players), np.random.default_rng(2)
     batch.reset(5)
     observations, infos = plain.reset(5)
@@ -84,7 +84,8 @@ def test_learners_and_agents_of_any_control_play_what_a_vector_arena_plays(name,
                 choices[arena, agent] = action
             else:
                 expected[arena, agent] = action
-        rewards, over = batch.step(commands)
+        rewards, *ends, _ = batch.step(commands)
+        over = np.logical_or(*ends)
         observations, wanted, terminations, truncations, infos = plain.step(choices, expected)
         endings += over.sum()
         np.testing.assert_array_equal(rewards, wanted)
@@ -107,7 +108,7 @@ def test_the_first_reset_begins_the_agents_also_without_a_seed(seed):
         def act_batch(self, view):
             return np.zeros(len(view.observations), np.int64)
 
-    batch = MixedBatch(scenario("duel", **SHORT), 2, {"hunter": [Counts]})
+    batch = PlayerBatch.of(scenario("duel", **SHORT), 2, {"hunter": [Counts]})
     for _ in range(2):
         batch.reset(seed)
         seed = None
@@ -116,7 +117,7 @@ def test_the_first_reset_begins_the_agents_also_without_a_seed(seed):
 
 @pytest.mark.parametrize("number", [-2, 1])
 def test_a_number_that_no_player_has_is_refused_and_seats_nobody(number):
-    batch = MixedBatch(scenario("duel", **SHORT), 2, {"hunter": ["nearest"]})
+    batch = PlayerBatch.of(scenario("duel", **SHORT), 2, {"hunter": ["nearest"]})
     batch.seat(np.arange(2), np.zeros((2, 2), np.int64))
     with pytest.raises(ConfigError, match=rf"numbers from -1 \(LEARNER\) to 0, got {number}$"):
         batch.seat(np.arange(2), np.full((2, 2), number))
@@ -124,15 +125,47 @@ def test_a_number_that_no_player_has_is_refused_and_seats_nobody(number):
 
 
 def test_a_step_before_the_first_reset_is_refused():
-    batch = MixedBatch(scenario("duel", **SHORT), 2, {"hunter": ["nearest"]})
-    with pytest.raises(EpisodeError, match=r"^no episode has begun; call reset\(\) first$"):
+    batch = PlayerBatch.of(scenario("duel", **SHORT), 2, {"hunter": ["nearest"]})
+    with pytest.raises(EpisodeError, match=r"^step\(\) was called before the first reset; call reset\(\) first$"):
         batch.step(np.zeros((2, 2, 2), np.float32))
+
+
+def test_an_action_of_a_learner_that_is_not_legal_is_refused_before_the_players_act():
+    batch = PlayerBatch.of(scenario("duel", control="velocity", **SHORT), 2, {"hunter": [Turning]})
+    batch.reset(1)
+    batch.seat(np.arange(2), np.array([[0, LEARNER], [0, LEARNER]]))
+    commands = np.zeros((2, 2, 2), np.float32)
+    commands[1, 1] = np.nan
+    with pytest.raises(ActionError, match="in arena 1 for hunter_1"):
+        batch.step(commands)
+    assert (commands[:, 0] == 0).all()
+
+
+def test_after_a_player_that_raised_at_its_start_all_arenas_must_be_reset():
+    """Other agents of the arenas may have no player."""
+
+    class Late:
+        def reset(self, _):
+            raise ValueError("late")
+
+        def act(self, view):
+            raise NotImplementedError
+
+    batch = PlayerBatch.of(scenario("duel", control="velocity", **SHORT), 2, {"hunter": ["nearest", Late]})
+    batch.reset(1)
+    with pytest.raises(AgentError, match="late for hunter_0 in arena 0"):
+        batch.seat(np.arange(2), np.array([[1, 0], [0, 0]]))
+    with pytest.raises(EpisodeError, match="call reset"):
+        batch.step(np.zeros((2, 2, 2), np.float32))
+    batch.reset()
+    batch.seat(np.arange(2), np.zeros((2, 2), np.int64))
+    batch.step(np.zeros((2, 2, 2), np.float32))
 
 
 def test_a_side_is_seen_by_those_who_play_it():
     """Views of hunters and of prey have the columns, masks and limits of their side."""
     config = scenario("tag", **SHORT)
-    batch = MixedBatch(config, 3, TWO_SIDES)
+    batch = PlayerBatch.of(config, 3, TWO_SIDES)
     batch.reset(1)
     batch.seat(np.arange(3), np.array([[0, LEARNER, 1, LEARNER], [1, 1, 1, 0], [LEARNER, 0, 0, LEARNER]]))
     arenas, agents = batch.rows("hunter")
@@ -148,7 +181,7 @@ def test_a_side_is_seen_by_those_who_play_it():
 
 
 def test_a_player_that_is_added_later_can_be_seated():
-    batch = MixedBatch(scenario("duel", control="velocity", **SHORT), 2, {"hunter": ["nearest"]})
+    batch = PlayerBatch.of(scenario("duel", control="velocity", **SHORT), 2, {"hunter": ["nearest"]})
     batch.reset(3)
     assert batch.players["hunter"].add(Turning(0.5)) == 1
     batch.seat(np.arange(2), np.array([[1, 1], [0, LEARNER]]))
@@ -183,7 +216,7 @@ class Turning:
 )
 def test_what_cannot_play_is_refused_in_one_line(name, players, error, message):
     with pytest.raises(error, match=message) as caught:
-        MixedBatch(scenario(name), 2, players)
+        PlayerBatch.of(scenario(name), 2, players)
     assert "\n" not in str(caught.value)
 
 
