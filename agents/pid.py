@@ -8,9 +8,8 @@ while the command is at its limit (conditional integration), and is reset with e
 import math
 from typing import Final, NamedTuple
 
-from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import Point, middle_of_own_ground
-from catch_arena.agents.triage import race_worth_running, worth_chasing
+from catch_arena.agents.patrol import Point
+from catch_arena.agents.triage import goal, race_worth_running, worth_chasing
 from catch_arena.geometry import world_frame
 from catch_arena.policy import View
 
@@ -69,14 +68,13 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
-        rank = race_worth_running(worth_chasing(view), view)
-        forward, left = meeting_point(view.targets[rank - 1], view) if rank else middle_of_own_ground(view)
+        forward, left, _ = goal(race_worth_running(worth_chasing(view), view), view)
         dx, dy = world_frame(view.heading_cos, view.heading_sin, forward, left)
-        goal = view.x + dx, view.y + dy
-        if self.goal is None or math.dist(goal, self.goal) > SAME_GOAL_M:
+        place = view.x + dx, view.y + dy
+        if self.goal is None or math.dist(place, self.goal) > SAME_GOAL_M:
             self.linear.restart()
             self.angular.restart()
-        self.goal = goal
+        self.goal = place
         limits, period_s = view.limits, view.limits.control_period_ms / 1000.0
         bearing = math.atan2(left, forward)
         ahead = math.hypot(forward, left) * max(0.0, math.cos(bearing))  # 0 for a goal at the back

@@ -7,9 +7,8 @@ R. C. Coulter, "Implementation of the pure pursuit path tracking algorithm", Car
 import math
 from typing import Final
 
-from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import Point, middle_of_own_ground
-from catch_arena.agents.triage import race_worth_running, worth_chasing
+from catch_arena.agents.patrol import Point
+from catch_arena.agents.triage import goal, race_worth_running, worth_chasing
 from catch_arena.policy import Limits, View
 from catch_arena.steering import braked
 
@@ -27,18 +26,15 @@ class Agent:
 
     def act(self, view: View) -> tuple[float, float]:
         """Return speed and turn rate as fractions of the limits, in [-1, 1]."""
-        rank = race_worth_running(worth_chasing(view), view)
-        if rank:
-            return follow(lookahead_point(meeting_point(view.targets[rank - 1], view)), view.limits)
-        goal = middle_of_own_ground(view)
-        speed, turn = follow(lookahead_point(goal), view.limits)
-        return braked(speed, math.hypot(*goal), view.limits), turn
+        forward, left, rests = goal(race_worth_running(worth_chasing(view), view), view)
+        speed, turn = follow(lookahead_point((forward, left)), view.limits)
+        return braked(speed, math.hypot(forward, left), view.limits) if rests else speed, turn
 
 
-def lookahead_point(goal: Point) -> Point:
+def lookahead_point(place: Point) -> Point:
     """Return the point (forward, left) [m] of the path at the lookahead distance, or the goal if that is nearer."""
-    share = min(1.0, LOOKAHEAD_M / max(1e-9, math.hypot(*goal)))
-    return share * goal[0], share * goal[1]
+    share = min(1.0, LOOKAHEAD_M / max(1e-9, math.hypot(*place)))
+    return share * place[0], share * place[1]
 
 
 def follow(point: Point, limits: Limits) -> tuple[float, float]:

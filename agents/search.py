@@ -257,15 +257,15 @@ class RolloutArena:
 
     def _races_s(self) -> Float64Array:
         """Return the time for each hunter to reach each target [s], (N, C, H, K); infinite if it does not race."""
-        limits, dx, dy = self.limits, self.dx, self.dy
-        way = np.maximum(0.0, self.distance - limits.reach_m)
-        if limits.alarm_m and self.leads:  # on a fleeing target a hunter gains only by the difference of speeds
-            gains = max(SLOWEST_GAIN_MPS, limits.max_speed_mps - limits.target_speed_mps)
-            chase = np.maximum(0.0, np.minimum(self.distance, limits.alarm_m) - limits.reach_m)
-            way = way + limits.target_speed_mps / gains * chase
-        elif self.leads:
+        limits, dx, dy, distance = self.limits, self.dx, self.dy, self.distance
+        if self.leads and not limits.alarm_m:
             dx, dy = self.meet_x - self.x[..., None], self.meet_y - self.y[..., None]
-            way = np.maximum(0.0, np.sqrt(dx * dx + dy * dy) - limits.reach_m)
+            distance = np.sqrt(dx * dx + dy * dy)
+        way = np.maximum(0.0, distance - limits.reach_m)
+        if self.leads and limits.alarm_m:  # on a fleeing target a hunter gains only by the difference of speeds
+            gains = max(SLOWEST_GAIN_MPS, limits.max_speed_mps - limits.target_speed_mps)
+            chase = np.maximum(0.0, np.minimum(distance, limits.alarm_m) - limits.reach_m)
+            way = way + limits.target_speed_mps / gains * chase
         return self._arrivals_s(dx, dy, way) + self.idle
 
     def catch(self) -> Float64Array:

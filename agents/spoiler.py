@@ -8,9 +8,7 @@ International Journal of Game Theory 1 (1972). More than a small detour helps th
 from typing import Final
 
 from catch_arena.agents.contested_by_time import arrival_s, rival_arrival_s, rivals_arrival_s
-from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import rest
-from catch_arena.agents.triage import race_worth_running, worth_chasing
+from catch_arena.agents.triage import goal, race_worth_running, worth_chasing
 from catch_arena.policy import SeenHunter, View
 from catch_arena.steering import drive
 
@@ -33,7 +31,8 @@ class Agent:
         wanted = wanted_target(ranks, view)
         if wanted and (not best or mine_s(wanted, view) <= mine_s(best, view) + DETOUR_S):
             best = wanted
-        return drive(*meeting_point(view.targets[best - 1], view), view.limits) if best else rest(view)
+        forward, left, rests = goal(best, view)
+        return drive(forward, left, view.limits, rests)
 
 
 def wanted_target(ranks: range, view: View) -> int:

@@ -6,7 +6,7 @@ from typing import Any, Final
 from catch_arena.agents.contested import nearest_rival_m
 from catch_arena.agents.contested_by_time import best_race
 from catch_arena.agents.intercept import meeting_point
-from catch_arena.agents.patrol import rest
+from catch_arena.agents.patrol import middle_of_own_ground
 from catch_arena.batch_policy import BatchView
 from catch_arena.policy import View
 from catch_arena.steering import drive
@@ -45,11 +45,17 @@ def decide(view: View) -> tuple[float, float]:
 
 def race_or_rest(ranks: range, view: View) -> tuple[float, float]:
     """Return the command for the best race among these ranks; if none is worth running, to wait on its own ground."""
-    rank = race_worth_running(ranks, view)
+    forward, left, rests = goal(race_worth_running(ranks, view), view)
+    return drive(forward, left, view.limits, rests)
+
+
+def goal(rank: int, view: View) -> tuple[float, float, bool]:
+    """Return the point (forward, left) [m] to go to for a rank, and whether to rest there: only on the own ground."""
     if rank == 0:
-        return rest(view)
+        forward, left = middle_of_own_ground(view)
+        return forward, left, True
     forward, left = meeting_point(view.targets[rank - 1], view)
-    return drive(forward, left, view.limits)
+    return forward, left, False
 
 
 def race_worth_running(ranks: range, view: View) -> int:
