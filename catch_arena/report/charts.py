@@ -9,6 +9,7 @@ import numpy as np
 
 from catch_arena.policy import Side
 from catch_arena.report.data import ReportData, SideData
+from catch_arena.tournament.match import MoveTimes
 from catch_arena.tournament.statistics.intervals import Estimate, shares
 from catch_arena.tournament.statistics.outcomes import sums_by
 from catch_arena.tournament.statistics.standings import Standing
@@ -146,17 +147,13 @@ def refusals(data: ReportData) -> dict[str, str]:
 
 
 def move_times(data: ReportData) -> dict[str, tuple[float, float]]:
-    """Return each agent's mean and longest time for a move [ms]."""
-    found = {name: [0.0, 0.0, 0.0] for name in data.names}
+    """Return each agent's mean time for a move (NaN if it made none) and its longest one [ms]."""
+    found: dict[str, list[MoveTimes]] = {name: [] for name in data.names}
     for played_match in data.played:
         for entrant, spent in zip(played_match.match.seating, played_match.result.thinking, strict=True):
-            times = found[data.names[entrant]]
-            times[0] += spent.moves
-            times[1] += spent.total_s
-            times[2] = max(times[2], spent.longest_s)
-    return {
-        name: (1000.0 * total / max(moves, 1.0), 1000.0 * longest) for name, (moves, total, longest) in found.items()
-    }
+            found[data.names[entrant]].append(spent)
+    in_all = {name: MoveTimes.of_all(times) for name, times in found.items()}
+    return {name: (times.mean_ms, 1000.0 * times.longest_s) for name, times in in_all.items()}
 
 
 def percent(share: float) -> str:

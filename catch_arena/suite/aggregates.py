@@ -10,8 +10,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.tournament.statistics.intervals import Estimate
-from catch_arena.tournament.statistics.outcomes import Floats
+from catch_arena.tournament.statistics.intervals import Estimate, draw_with_replacement
+from catch_arena.tournament.statistics.outcomes import Floats, middle_half
 
 RESAMPLES: Final = 5000
 """Number of bootstrap resamples of the runs of each scenario."""
@@ -20,13 +20,8 @@ FEWEST_RUNS: Final = 4
 
 
 def interquartile_mean(scores: Floats) -> Floats:
-    """Return the mean of the middle half of all runs of all scenarios: a quarter is cut off at either end.
-
-    The table may have further axes in front.
-    """
-    flat = np.sort(scores.reshape(*scores.shape[:-2], -1))
-    cut = flat.shape[-1] // 4
-    means: Floats = flat[..., cut : flat.shape[-1] - cut].mean(axis=-1)
+    """Return the mean of the middle half of all runs of all scenarios; the table may have further axes in front."""
+    means: Floats = middle_half(scores.reshape(*scores.shape[:-2], -1)).mean(axis=-1)
     return means
 
 
@@ -60,8 +55,7 @@ def performance_profile(scores: Floats, levels: Floats) -> list[Estimate]:
 
 def _resampled(scores: Floats, stream: int = 0) -> Floats:
     """Return resamples of the runs, (RESAMPLES, runs, scenarios), independent in each scenario."""
-    bits = np.random.PCG64(stream)  # its raw stream is fixed by NumPy's policy
-    drawn = (bits.random_raw((RESAMPLES, *scores.shape)) % np.uint64(len(scores))).astype(np.int64)
+    drawn = draw_with_replacement(np.random.PCG64(stream), (RESAMPLES, *scores.shape), len(scores))
     return np.take_along_axis(scores[None], drawn, axis=1)
 
 

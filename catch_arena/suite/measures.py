@@ -19,7 +19,7 @@ from catch_arena.suite.aggregates import (
 from catch_arena.suite.contents import Suite, SuiteScenario
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.runner import Setup
-from catch_arena.tournament.match import PlayedMatch
+from catch_arena.tournament.match import MoveTimes, PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.intervals import Estimate, ratios, rounded
 from catch_arena.tournament.statistics.outcomes import Floats, Outcomes, SideResults
@@ -132,8 +132,6 @@ def measure_scenario(
     results = SideResults.of(entrants, played, Parties.of(scenario.config))
     table = standings(results)
     (line,) = (line for line in table if line.name == entrants[AGENT].name)
-    times = [one.result.thinking[one.match.seating.index(AGENT)] for one in played]
-    moves = sum(time.moves for time in times)
     return ScenarioMeasures(
         name=scenario.name,
         held_out=scenario.held_out,
@@ -145,7 +143,7 @@ def measure_scenario(
         first=comes_first(results.outcomes, score) if sum(line.forfeits.values()) < len(played) else False,
         matches=len(played),
         forfeits=line.forfeits,
-        move_ms=1000.0 * sum(time.total_s for time in times) / moves if moves else math.nan,
+        move_ms=MoveTimes.of_all([one.result.thinking[one.match.seating.index(AGENT)] for one in played]).mean_ms,
     )
 
 

@@ -10,7 +10,7 @@ from catch_arena.text import last_lines
 from catch_arena.tournament.entrants import SHIPPED_PREY, Entrant
 from catch_arena.tournament.isolation.quotas import Quotas
 from catch_arena.tournament.isolation.sandbox import Sandbox
-from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult
+from catch_arena.tournament.match import MOST_TIMEOUTS, Forfeit, MatchResult, MoveTimes
 from catch_arena.tournament.match_loop import play_entrants
 from catch_arena.tournament.parties import Parties
 from catch_arena.verdicts import Verdict
@@ -89,10 +89,9 @@ def _findings(
         role = " as prey" if config.prey and forfeit.seat >= config.hunters else ""
         yield Finding("error", f"{name}{role}: {forfeit}{shown}")
     reported.update(failed)
-    moves = sum(times.moves for times in result.thinking)
-    mean_ms = 1000.0 * sum(times.total_s for times in result.thinking) / max(1, moves)
-    longest_ms = 1000.0 * max(times.longest_s for times in result.thinking)
-    timing = f"{mean_ms:.1f} ms a step, at longest {longest_ms:.1f} of {step_ms:g}"
+    times = MoveTimes.of_all(result.thinking)
+    longest_ms = 1000.0 * times.longest_s
+    timing = f"{times.mean_ms:.1f} ms a step, at longest {longest_ms:.1f} of {step_ms:g}"
     if not failed:
         hunting = parties.hunting
         scores = ", ".join(map(str, result.scores[:hunting]))

@@ -69,6 +69,17 @@ class MoveTimes(Struct, frozen=True, array_like=True):
     total_s: float
     longest_s: float
 
+    @classmethod
+    def of_all(cls, times: "Sequence[MoveTimes]") -> "MoveTimes":
+        """Return the times of all these moves together."""
+        longest_s = max((one.longest_s for one in times), default=0.0)
+        return cls(sum(one.moves for one in times), sum(one.total_s for one in times), longest_s)
+
+    @property
+    def mean_ms(self) -> float:
+        """Mean time of a move [ms]; NaN without moves."""
+        return 1000.0 * self.total_s / self.moves if self.moves else math.nan
+
 
 class Forfeit(Struct, frozen=True, array_like=True, eq=False):
     """Failure of one party: a failure in one of its seats counts for all (R11.1).

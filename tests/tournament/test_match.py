@@ -7,7 +7,7 @@ from tournament.played_matches import made_up
 from catch_arena import Replay, interrupts, scenario
 from catch_arena.errors import AgentError, ConfigError
 from catch_arena.tournament.loading import create_policy
-from catch_arena.tournament.match import Forfeit, ranks_of
+from catch_arena.tournament.match import Forfeit, MoveTimes, ranks_of
 from catch_arena.tournament.match_loop import play_match
 from catch_arena.tournament.players import enter
 
@@ -32,6 +32,13 @@ def test_equal_scores_share_a_rank_and_who_forfeits_ranks_behind_by_how_long_it_
     assert ranks_of((5, 5, 3)) == (1, 1, 3)
     assert ranks_of((1, 4, 2, 4)) == (4, 1, 3, 1)
     assert ranks_of((9, 0, 5, 7, 1), (3, None, 8, 3, None)) == (4, 2, 3, 4, 1)
+
+
+def test_times_of_moves_are_added_up_and_without_moves_there_is_no_mean():
+    times = MoveTimes.of_all([MoveTimes(1, 0.25, 0.25), MoveTimes(3, 0.75, 0.5)])
+    assert (times, times.mean_ms) == (MoveTimes(4, 1.0, 0.5), 250.0)
+    assert MoveTimes.of_all([]) == MoveTimes(0, 0.0, 0.0)
+    assert np.isnan(MoveTimes.of_all([]).mean_ms)
 
 
 def test_the_same_seed_plays_the_same_match_and_another_one_does_not():

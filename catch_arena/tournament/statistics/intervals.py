@@ -8,7 +8,7 @@ from typing import Final
 
 import numpy as np
 
-from catch_arena.tournament.statistics.outcomes import Floats, sums_by
+from catch_arena.tournament.statistics.outcomes import Floats, Ints, sums_by
 from catch_arena.tournament.statistics.tail_probabilities import student_critical
 
 RESAMPLES: Final = 2000
@@ -108,9 +108,9 @@ def _critical(residuals: Floats, counts: Floats, correction: Floats, pseudo_vari
     products = np.concatenate((residuals, counts, residuals**2, residuals * counts, counts**2), axis=1)
     blocks, figures = residuals.shape
     found = np.empty((RESAMPLES, figures))
-    bits = np.random.PCG64(0)  # its raw stream is fixed by NumPy's policy; that of Generator's methods is not
+    bits = np.random.PCG64(0)
     for begin in range(0, RESAMPLES, _BATCH):
-        drawn = (bits.random_raw((_BATCH, blocks)) % np.uint64(blocks)).astype(np.int64)
+        drawn = draw_with_replacement(bits, (_BATCH, blocks), blocks)
         weights = sums_by(_BATCH, blocks, np.arange(_BATCH)[:, None], drawn)
         moved, totals, squares, mixed, spread = np.split(weights @ products, 5, axis=1)
         shift = moved / totals
@@ -121,6 +121,14 @@ def _critical(residuals: Floats, counts: Floats, correction: Floats, pseudo_vari
         found[begin : begin + _BATCH] = np.where(still, 0.0, np.where(totals > 0, distance, math.inf))
     critical: Floats = np.quantile(found, _CONFIDENCE, axis=0, method="inverted_cdf")
     return critical
+
+
+def draw_with_replacement(bits: np.random.PCG64, shape: tuple[int, ...], count: int) -> Ints:
+    """Draw numbers below `count` with replacement.
+
+    They come from the raw stream, which NumPy's policy fixes; that of Generator's methods may change.
+    """
+    return (bits.random_raw(shape) % np.uint64(count)).astype(np.int64)
 
 
 def _bags(values: Floats) -> Floats:

@@ -169,6 +169,12 @@ class Pairs:
         return sums_by(size, size, low[above], high[above]) + sums_by(size, size, high[below], low[below])
 
 
+def middle_half(values: Floats) -> Floats:
+    """Return the middle half along the last axis, sorted: a quarter is cut off at either end."""
+    cut = values.shape[-1] // 4
+    return np.sort(values)[..., cut : values.shape[-1] - cut]
+
+
 def sums_by(rows: int, columns: int, row: Ints, column: Ints, values: Floats | Ints | float = 1.0) -> Floats:
     """Return the sum of the values of each cell, (rows, columns); the arrays are broadcast together."""
     cell = row * columns + column

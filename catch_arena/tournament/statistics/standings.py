@@ -12,7 +12,7 @@ from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.match import PlayedMatch
 from catch_arena.tournament.parties import Parties
 from catch_arena.tournament.statistics.intervals import Estimate, estimates, ratios, shares
-from catch_arena.tournament.statistics.outcomes import Outcomes, SideResults
+from catch_arena.tournament.statistics.outcomes import Outcomes, SideResults, middle_half
 from catch_arena.tournament.statistics.ratings import rate
 from catch_arena.tournament.statistics.separation import groups
 from catch_arena.verdicts import Verdict
@@ -122,7 +122,7 @@ def standings(results: SideResults) -> list[Standing]:
 
 
 def _interquartile_means(outcomes: Outcomes) -> list[Estimate]:
-    """Return the mean score of the middle half of each entrant's matches: a quarter is cut off at either end.
+    """Return the mean score of the middle half of each entrant's matches.
 
     For the interval, a score beyond a quartile counts as the quartile (Huber 1981).
     """
@@ -130,11 +130,9 @@ def _interquartile_means(outcomes: Outcomes) -> list[Estimate]:
     pulls = np.zeros(outcomes.seating.shape)
     for index in range(outcomes.entrants):
         here = outcomes.seating == index
-        scores = np.sort(outcomes.scores[here])
-        cut = len(scores) // 4
-        middle = scores[cut : len(scores) - cut]
+        middle = middle_half(outcomes.scores[here])
         if len(middle):
             means[index] = middle.mean()
             held = np.clip(outcomes.scores[here], middle[0], middle[-1])
-            pulls[here] = (held - held.mean()) * (len(scores) / len(middle))
+            pulls[here] = (held - held.mean()) * (len(held) / len(middle))
     return estimates(means, outcomes.by_block(pulls), outcomes.by_block())
