@@ -19,9 +19,9 @@ from catch_arena.files import tomllib
 ROOT = Path(__file__).parents[1]
 OUT = ROOT / "out" / "pythons"
 UV = Path(sys.executable).with_name("uv")
-BITS = ("golden", "oracle", "rulebook")
+BITS = ("golden", "oracle")
 """Tests that every Python plays the same matches."""
-RULES = (*BITS, "properties", "unit")
+RULES = (*BITS, "properties", "rulebook", "unit")
 COMMANDS = (
     "match nearest idle --scenario duel --seed 7 -o match.replay",
     "verify match.replay",
