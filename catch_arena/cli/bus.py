@@ -9,9 +9,8 @@ import typer
 
 from catch_arena.cli.options import ConditionalOptions
 from catch_arena.cli.terminal import echo
-from catch_arena.errors import ConfigError
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
-from catch_arena.ros.middleware.graph_names import SERVICE_NAME, checked_name
+from catch_arena.ros.middleware.graph_names import checked_name, checked_service
 from catch_arena.ros.middleware.interfaces import INTERFACES, TURTLESIM, Interfaces
 from catch_arena.ros.middleware.opening import BRIDGE_URL, describe_bus, open_bus
 
@@ -92,9 +91,7 @@ class NodeUnderTestOptions(ConditionalOptions):
         """Join the bus on which a node serves `word`, and yield that node, with an arena for it."""
         from catch_arena.ros.node_tests.node_under_test import NodeUnderTest
 
-        service = word.removeprefix(SERVICE)
-        if not SERVICE_NAME.fullmatch(service):
-            raise ConfigError(f"a service must be given as ros:/NAME, such as ros:/catch_turtle, got {word!r}")
+        service = checked_service("a service", word, SERVICE)
         bus = Bus(interfaces=self.interfaces, bus=self.bus)
         with bus.joined("catch_arena") as joined:
             yield NodeUnderTest(joined, service, joined.interfaces(bus.types), lambda line: echo(line, err=True))

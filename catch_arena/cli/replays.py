@@ -8,7 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal, TypeVar
 
 import typer
 
@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from catch_arena.replay import Replay
 
 _T = TypeVar("_T")
+
+_MOMENTS: Final = 8
+"""Number of moments that `highlights` finds by default."""
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder with replays.")]
 Speed = Annotated[float, typer.Option(help="Playback speed: below 1 is slow motion, above 1 is a time lapse.")]
@@ -209,7 +212,7 @@ def render(
         typer.Option(
             metavar="SECONDS",
             help="Show the contest that was lost at this time, and as a ghost what would have won it, as `catch-arena "
-            "explain --what-if` finds it.",
+            "explain --at SECONDS --what-if` finds it.",
         ),
     ] = None,
     hunter: Annotated[
@@ -329,7 +332,9 @@ def highlights(
     *,
     output: Annotated[Path | None, output_option(VIDEO_HELP, "highlights.mp4, or highlights-2.mp4 ...")] = None,
     force: Force = False,
-    count: Annotated[int, typer.Option(metavar="N", min=1, help="Maximum number of moments.")] = 8,
+    count: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Maximum number of moments.", show_default=str(_MOMENTS))
+    ] = None,
     listing: Annotated[bool, listing_option("the moments, the best last")] = False,
     picture: Picture,
 ) -> None:
@@ -346,7 +351,7 @@ def highlights(
     if not listing:
         reserve_file(output, *VIDEO, force=force)
     matches, _ = _from_replays(folder, explain)
-    selected = best_highlights(matches, count)
+    selected = best_highlights(matches, count or _MOMENTS)
     if not selected:
         raise ReplayError(
             f"{folder}: no highlights in {len(matches)} matches: they have no contest, no change of lead, ..."
@@ -354,7 +359,7 @@ def highlights(
     for path, highlight in selected:
         when = f"{Path(path).name}  {seconds(highlight.decisive_ms)}"
         echo(f"{when}  {highlight.kind}: {highlight.event}. {highlight.reason}")
-    if len(selected) < count:
+    if count is not None and len(selected) < count:
         echo(f"moments: {len(selected)}, not {count}: there are no more that do not overlap", err=True)
     if listing:
         return

@@ -29,7 +29,7 @@ from catch_arena.cli.terminal import echo, progress_bar
 from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, BusError, ConfigError, install_hint
 from catch_arena.ros.doctor import examine
-from catch_arena.ros.middleware.graph_names import SERVICE_NAME, TURTLE, checked_name
+from catch_arena.ros.middleware.graph_names import TURTLE, checked_name, checked_service
 from catch_arena.ros.nodes.parameters import parameters_from
 from catch_arena.ros.nodes.rate import tick_until_signal
 from catch_arena.scenarios import SCENARIOS
@@ -196,8 +196,8 @@ def controller(
         agent = _CLOSEST if values[_CLOSEST_FIRST] else _OLDEST
     config = SCENARIOS["capstone"]
     turtle = checked_name("--turtle", turtle, TURTLE)
-    if service is not None and not SERVICE_NAME.fullmatch(service):
-        raise ConfigError(f"--service must be the name of a service, such as /catch_turtle, got {service!r}")
+    if service is not None:
+        checked_service("--service", service)
     entrants = enter_agents([agent], quotas)
     with (
         sandbox_for(quotas) as sandbox,

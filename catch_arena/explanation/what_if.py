@@ -5,7 +5,7 @@ docs/reference/replays.md defines the changes that are tried, and their order.
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import islice, pairwise, product
+from itertools import accumulate, islice, pairwise, product
 from typing import Any, Final, NamedTuple
 
 import numpy as np
@@ -83,7 +83,7 @@ def what_if(
         replay: the recorded match.
         contest: a contest of the match, from `explain(replay).contests`.
         hunter: the loser, as `explain` takes it; None for the loser that was nearest to the target.
-        progress: called with (lengths of changes tried, number of lengths).
+        progress: called with (steps of the search played, greatest number of these).
 
     Raises:
         ConfigError: for a contest that is not of this match, and a hunter that did not lose it.
@@ -187,8 +187,11 @@ class _Search:
         """
         part = max(1, _PART_MS // self._period_ms)
         edges = [*range(self._judged + 1, self._first, -part), self._first]
-        rounds = list(product(range(_MOST_DECISIONS + 1), range(1, len(edges))))
-        for done, (decisions, length) in enumerate(rounds, start=1):
+        most = 0 if self._control == "velocity" else _MOST_DECISIONS
+        rounds = list(product(range(most + 1), range(1, len(edges))))
+        # a run is played from its beginning to the contest
+        steps = [sum(self._judged + 1 - begin for begin in edges[length:]) for _, length in rounds]
+        for done, (decisions, length) in zip(accumulate(steps), rounds, strict=True):
             for stop, begin in zip(edges, edges[length:], strict=False):
                 changes = [
                     change for change in self._changes(range(begin, stop)) if self._decisions(change) == decisions
@@ -198,7 +201,7 @@ class _Search:
                 if wins:
                     return min(wins, key=lambda change: self._deviation(change, wins[change]))
             if progress is not None:
-                progress(done, len(rounds))
+                progress(done, sum(steps))
         return None
 
     def _goal(self, change: _Change, step: int) -> int:

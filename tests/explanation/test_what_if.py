@@ -136,6 +136,29 @@ def test_the_answer_is_always_the_same(play):
     assert shown == sorted(shown)
 
 
+def test_the_progress_is_that_of_the_steps_to_play(play, monkeypatch):
+    """So the time that is left follows from it. Under velocity control every run of steps is tried."""
+    replay, played, shown = play(**MATCHES["velocity"]), [], []
+    step = Engine.step
+
+    def counted(engine, choices, commands):
+        if engine.num_arenas > 1:
+            played.append(engine)
+        return step(engine, choices, commands)
+
+    monkeypatch.setattr(Engine, "step", counted)
+    whole = 0
+    for contest in lost(replay):
+        played.clear()
+        answer = what_if(replay, contest, progress=lambda *progress: shown.append((*progress, len(played))))
+        if answer.alternative is None:
+            whole += 1
+            assert shown[-1][0] == shown[-1][1]
+    assert whole
+    assert len(shown) > 3
+    assert all(done == steps for done, _, steps in shown)
+
+
 def test_no_change_helps_on_the_first_state(play):
     replay = play(chase=True, max_cycles=3, names=("ann", "bob"), **FIRST_STEP)
     contest = explain(replay).contests[0]

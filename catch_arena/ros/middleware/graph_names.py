@@ -6,7 +6,7 @@ from typing import Final
 from catch_arena.errors import ConfigError
 from catch_arena.text import shortened
 
-SERVICE_NAME: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
+_SERVICE: Final = re.compile(r"(/[A-Za-z_][A-Za-z0-9_]*)+")
 _NAME: Final = re.compile(r"[A-Za-z][A-Za-z0-9_]*")
 
 TURTLE: Final = "turtle1"
@@ -53,5 +53,15 @@ def checked_name(setting: str, name: str, example: str) -> str:
     if not _NAME.fullmatch(name):
         raise ConfigError(
             f"{setting} must be letters, digits and underscores, such as {example}, got {shortened(name)}"
+        )
+    return name
+
+
+def checked_service(setting: str, given: str, prefix: str = "") -> str:
+    """Return a valid name of a service, which is given after a prefix."""
+    name = given.removeprefix(prefix)
+    if not _SERVICE.fullmatch(name):
+        raise ConfigError(
+            f"{setting} must be given as {prefix}/NAME, such as {prefix}{CATCH_TURTLE}, got {shortened(given)}"
         )
     return name
