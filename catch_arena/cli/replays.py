@@ -358,7 +358,7 @@ def highlights(
         )
     for path, highlight in selected:
         when = f"{Path(path).name}  {seconds(highlight.decisive_ms)}"
-        echo(f"{when}  {highlight.kind}: {highlight.event}. {highlight.reason}")
+        echo(f"{when}  {highlight.kind}: {highlight.event}. {highlight.reason} ({highlight.clause})")
     if count is not None and len(selected) < count:
         echo(f"moments: {len(selected)}, not {count}: there are no more that do not overlap", err=True)
     if listing:

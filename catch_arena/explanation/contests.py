@@ -13,53 +13,52 @@ from catch_arena.core.random import service_lot, tie_lot
 from catch_arena.core.visibility import is_seen
 from catch_arena.engine.core_settings import settings_of
 from catch_arena.explanation.facts import Claim, Contest, Unseen
-from catch_arena.replay import Replay
 from catch_arena.verdicts import Ruling, Verdict
 from catch_arena.world import World
 
 _CONTESTED: Final = (Verdict.GRANTED, Verdict.KILL_FAILED, Verdict.LOST_CONTEST)
 
 
-def contests_of(replay: Replay, world: World) -> list[Contest]:
-    """Return the contests of the step that led to a world."""
+def contests_of(config: ArenaConfig, world: World, seed: int | None = None) -> list[Contest]:
+    """Return the contests of the step that led to a world; without the match's seed, their claims have no lots."""
     by_target: dict[object, list[Ruling]] = {}
     for ruling in world.rulings:
         if ruling.verdict in _CONTESTED:
             by_target.setdefault(ruling.target, []).append(ruling)
-    return [_contest(replay, world, str(target), rulings) for target, rulings in by_target.items() if len(rulings) > 1]
+    return [
+        _contest(config, world, str(target), rulings, seed) for target, rulings in by_target.items() if len(rulings) > 1
+    ]
 
 
-def _contest(replay: Replay, world: World, target: str, rulings: Sequence[Ruling]) -> Contest:
-    rulings = sorted(rulings, key=lambda ruling: (-ruling.verdict, ruling.distance_um or 0, ruling.hunter))
-    nearest = rulings[0].distance_um
-    tied = [ruling.hunter for ruling in rulings if ruling.distance_um == nearest]
+def _contest(config: ArenaConfig, world: World, target: str, rulings: Sequence[Ruling], seed: int | None) -> Contest:
+    winner, team = max(rulings, key=lambda ruling: ruling.verdict), config.team_by_seat
+    tied = [ruling.hunter for ruling in rulings if ruling.distance_um == winner.distance_um]
+    if config.policy == "capstone":
+        clause = "R9.1"
+    elif config.policy == "first_come":
+        clause = "R5.9"
+    else:
+        clause = "R5.5" if len(tied) > 1 else "R5.4"
     lots: dict[int, int] = {}
-    seed, step = np.uint64(replay.seed), world.step - 1
-    with np.errstate(over="ignore"):  # the hashes of A.5 are arithmetic modulo 2^64
-        if replay.config.policy == "capstone":
-            clause = "R9.1"
-        elif replay.config.policy == "first_come":
-            clause = "R5.9"
-            lots = {ruling.hunter: int(service_lot(seed, step, ruling.hunter)) for ruling in rulings}
-        elif len(tied) > 1:
-            clause = "R5.5"
-            number = int(target.removeprefix(replay.config.name_prefix))
-            lots = {seat: int(tie_lot(seed, step, number, seat)) for seat in tied}
-        else:
-            clause = "R5.4"
-    team = replay.config.team_by_seat
-    claims = tuple(
+    if seed is not None:
+        with np.errstate(over="ignore"):  # the hashes of A.5 are arithmetic modulo 2^64
+            if clause == "R5.9":
+                lots = {one.hunter: int(service_lot(np.uint64(seed), world.step - 1, one.hunter)) for one in rulings}
+            elif clause == "R5.5":
+                number = int(target.removeprefix(config.name_prefix))
+                lots = {seat: int(tie_lot(np.uint64(seed), world.step - 1, number, seat)) for seat in tied}
+    claims = [
         Claim(
             ruling.hunter,
             ruling.verdict,
             ruling.distance_um,
             lots.get(ruling.hunter),
-            ruling.verdict is Verdict.LOST_CONTEST and team[ruling.hunter] == team[rulings[0].hunter],
+            ruling.verdict is Verdict.LOST_CONTEST and team[ruling.hunter] == team[winner.hunter],
         )
         for ruling in rulings
-    )
-    judged_ms = world.time_ms - replay.config.control_period_ms
-    return Contest(world.step, judged_ms, target, clause, claims)
+    ]
+    claims.sort(key=lambda claim: (-claim.verdict, claim.mate, claim.distance_um or 0, claim.seat))
+    return Contest(world.step, world.time_ms - config.control_period_ms, target, clause, tuple(claims))
 
 
 def unseen_targets(config: ArenaConfig, world: World, seat: int) -> list[Unseen]:

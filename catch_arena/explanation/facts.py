@@ -34,13 +34,20 @@ class Contest:
     `first_come`, R9.1 the capstone's service, which refuses no claim.
     """
     claims: tuple[Claim, ...]
-    """Claims of all hunters in the contest: the winner's first, then by distance."""
+    """Claims of all hunters in the contest: the winner's, those of other teams by distance, those of its team-mates."""
 
     @property
     def margin_um(self) -> int | None:
-        """Distance of the nearest loser minus that of the winner; negative if a lot preferred a farther one."""
+        """Distance of the second claim minus that of the winner; negative if a lot preferred a farther hunter."""
         first, second = (claim.distance_um for claim in self.claims[:2])
         return None if first is None or second is None else second - first
+
+    def behind_um(self, claim: Claim) -> int | None:
+        """Return how much farther away than the winner the hunter of a claim was; None if a lot preferred the winner,
+        or if nothing was measured.
+        """
+        behind = (claim.distance_um or 0) - (self.claims[0].distance_um or 0)
+        return behind if behind > 0 and self.clause in ("R5.4", "R5.5") else None
 
 
 @dataclass(slots=True)

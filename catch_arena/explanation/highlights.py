@@ -11,8 +11,9 @@ from itertools import groupby, pairwise
 from typing import Final, Literal
 
 from catch_arena.explanation.facts import Catch, Contest
-from catch_arena.explanation.formatting import metres, millimetres, seconds
+from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.match_summary import Explanation
+from catch_arena.explanation.sentences import margin_phrase
 from catch_arena.verdicts import Verdict
 
 Kind = Literal["contest", "capture", "lead", "streak", "finish", "upset"]
@@ -58,6 +59,8 @@ class Highlight:
     score: float
     event: str
     reason: str
+    clause: str
+    """Clause of the rulebook that the event follows from."""
 
     def overlaps(self, other: "Highlight") -> bool:
         """Return whether the two parts have an instant in common."""
@@ -133,23 +136,22 @@ def _contests(match: Explanation) -> Iterable[Highlight]:
     for contest in filter(has_loser, match.contests):
         winner, loser = contest.claims[:2]
         first, second, margin_um = match.names[winner.seat], match.names[loser.seat], contest.margin_um or 0
-        by, rule = millimetres(margin_um), "the smaller distance decides"
-        if contest.clause == "R5.5":
-            by, rule = "lot", "the lowest lot wins"
+        rule = "the lowest lot wins" if contest.clause == "R5.5" else "the smaller distance decides"
         reason = (
             f"{first} was {metres(winner.distance_um)} from {contest.target}, {second} {metres(loser.distance_um)}: "
-            f"{rule} ({contest.clause})"
+            f"{rule}"
         )
+        event = f"{first} beats {second} {margin_phrase(contest)}"
         numbers = margin_um, max(match.reaches_um)
-        yield _highlight("contest", numbers, contest.judged_ms, f"{first} beats {second} by {by}", reason)
+        yield _highlight("contest", numbers, contest.judged_ms, event, reason, contest.clause)
 
 
 def _captures(match: Explanation) -> Iterable[Highlight]:
     for capture in match.captures:
         event = f"{match.names[capture.seat]} catches {match.prey_names[capture.prey]}"
         place = "" if capture.distance_um is None else f", from {metres(capture.distance_um)}"
-        reason = f"The prey had escaped for {seconds(capture.in_play_ms)}{place} (R12.3)"
-        yield _highlight("capture", (capture.in_play_ms, match.duration_ms), capture.judged_ms, event, reason)
+        reason = f"The prey had escaped for {seconds(capture.in_play_ms)}{place}"
+        yield _highlight("capture", (capture.in_play_ms, match.duration_ms), capture.judged_ms, event, reason, "R12.3")
 
 
 def _changes_of_lead(match: Explanation) -> list[tuple[int, Catch]]:
@@ -167,8 +169,8 @@ def _leads(match: Explanation) -> Iterable[Highlight]:
     for (old, before), (new, after) in pairwise(_changes_of_lead(match)):
         scores, at_ms = after.scores, after.judged_ms
         event = f"{names[new]} takes the lead, {scores[new]} : {sorted(scores)[-2]}"
-        reason = f"{names[old]}, which led from {seconds(before.judged_ms)} on, has {scores[old]} (R6.1)"
-        yield _highlight("lead", (at_ms, match.duration_ms), at_ms, event, reason)
+        reason = f"{names[old]}, which led from {seconds(before.judged_ms)} on, has {scores[old]}"
+        yield _highlight("lead", (at_ms, match.duration_ms), at_ms, event, reason, "R6.1")
 
 
 def _streaks(match: Explanation) -> Iterable[Highlight]:
@@ -179,8 +181,8 @@ def _streaks(match: Explanation) -> Iterable[Highlight]:
         if len(times) < STREAK:
             continue
         event = f"{match.names[seat]} catches {len(times)} in a row"
-        reason = f"For {seconds(times[-1] - times[0])} no other hunter catches a target (R6.1)"
-        yield _highlight("streak", (len(times),), times[-1], event, reason, LONG_BEFORE_MS)
+        reason = f"For {seconds(times[-1] - times[0])} no other hunter catches a target"
+        yield _highlight("streak", (len(times),), times[-1], event, reason, "R6.1", LONG_BEFORE_MS)
 
 
 def _finish(match: Explanation) -> Iterable[Highlight]:
@@ -191,9 +193,9 @@ def _finish(match: Explanation) -> Iterable[Highlight]:
         return
     event = f"{', '.join(f'{name} {score}' for name, score in ranked)} at the end"
     decides = "One catch decides" if difference == 1 else f"{difference} catches decide"
-    reason = f"{decides} the match (R6.1)" if difference else "They share the first rank (R6.1)"
+    reason = f"{decides} the match" if difference else "They share the first rank"
     decisive_ms = max(match.catches[-1].judged_ms, match.duration_ms - 1000)
-    yield _highlight("finish", (difference, best), decisive_ms, event, reason, LONG_BEFORE_MS)
+    yield _highlight("finish", (difference, best), decisive_ms, event, reason, "R6.1", LONG_BEFORE_MS)
 
 
 def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight]:
@@ -210,9 +212,9 @@ def _upset(match: Explanation, rates: Mapping[str, float]) -> Iterable[Highlight
     event = f"{names[winner]} beats {names[favourite]}, {scores[winner]} : {scores[favourite]}"
     reason = (
         f"It won {100 * shares[winner]:.0f} % of its other matches, and {names[favourite]} "
-        f"{100 * shares[favourite]:.0f} %; from here on it leads (R6.1)"
+        f"{100 * shares[favourite]:.0f} %; from here on it leads"
     )
-    yield _highlight("upset", (shares[favourite], shares[winner]), at_ms, event, reason)
+    yield _highlight("upset", (shares[favourite], shares[winner]), at_ms, event, reason, "R6.1")
 
 
 def _highlight(
@@ -221,11 +223,12 @@ def _highlight(
     decisive_ms: int,
     event: str,
     reason: str,
+    clause: str,
     before_ms: int = BEFORE_MS,
 ) -> Highlight:
     """Return a highlight with its score, which spans a few seconds around the decisive instant."""
     start_ms, end_ms = max(0, decisive_ms - before_ms), decisive_ms + AFTER_MS
-    return Highlight(kind, start_ms, decisive_ms, end_ms, SCORES[kind](*numbers), event, reason)
+    return Highlight(kind, start_ms, decisive_ms, end_ms, SCORES[kind](*numbers), event, reason, clause)
 
 
 def lead(scores: Sequence[int]) -> tuple[int | None, int]:

@@ -162,7 +162,7 @@ def explain(
     prey = [_PreyRecord(index, name) for index, name in enumerate(prey_labels(replay))]
     scores = (0,) * len(names)
     for before, after, by_name in replay.judged_steps():
-        found = contests_of(replay, after)
+        found = contests_of(replay.config, after, replay.seed)
         granted = [ruling for ruling in after.rulings if ruling.success]
         contests += found
         catches += [Catch(before.time_ms, ruling.hunter, after.team_scores) for ruling in granted]

@@ -5,7 +5,7 @@ from typing import Final
 
 from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.facts import Claim, Contest, HunterSummary, PreySummary
-from catch_arena.explanation.formatting import metres, seconds
+from catch_arena.explanation.formatting import metres, millimetres, seconds
 from catch_arena.explanation.seats import with_seat
 from catch_arena.replay.named_requests import describe_name
 from catch_arena.text import counted
@@ -52,6 +52,12 @@ def _place(claim: Claim, winner: Claim) -> str:
     if claim.lot is not None:
         parts.append(f"lot {claim.lot:016x}")
     return ", ".join(parts)
+
+
+def margin_phrase(contest: Contest) -> str:
+    """Return how the winner of a contest was preferred to the second claim: "by 11 mm", or "by lot"."""
+    behind_um = contest.behind_um(contest.claims[1])
+    return "by lot" if behind_um is None else f"by {millimetres(behind_um)}"
 
 
 def target_label(target: str, prey: str | None) -> str:

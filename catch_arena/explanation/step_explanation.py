@@ -150,7 +150,7 @@ def explain_step(replay: Replay, step: int, hunter: int | str | None = None) -> 
     if number is None or not 1 <= number <= replay.steps:
         raise ConfigError(f"step must be a whole number from 1 to {replay.steps}, got {step!r}")
     before, after, by_name = next(islice(replay.judged_steps(), number - 1, None))
-    config, contests = replay.config, contests_of(replay, after)
+    config, contests = replay.config, contests_of(replay.config, after, replay.seed)
     unseen = {seat: tuple(unseen_targets(config, before, seat)) for seat in seats}
     rulings = {ruling.hunter: ruling for ruling in after.rulings}
     hunters = tuple(

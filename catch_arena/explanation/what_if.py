@@ -16,10 +16,10 @@ from catch_arena.engine import Engine, SavedState
 from catch_arena.errors import ConfigError, require_type
 from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.facts import Claim, Contest
-from catch_arena.explanation.formatting import millimetres, seconds
+from catch_arena.explanation.formatting import seconds
 from catch_arena.explanation.match_summary import explain
 from catch_arena.explanation.seats import find_subjects, labels, prey_labels
-from catch_arena.explanation.sentences import listed
+from catch_arena.explanation.sentences import listed, margin_phrase
 from catch_arena.explanation.step_explanation import step_at
 from catch_arena.replay import Replay
 from catch_arena.verdicts import Verdict
@@ -82,7 +82,7 @@ def what_if(
     Args:
         replay: the recorded match.
         contest: a contest of the match, from `explain(replay).contests`.
-        hunter: the loser, as `explain` takes it; None for the loser that was nearest to the target.
+        hunter: the loser, as `explain` takes it; None for the nearest loser, of another team if there is one.
         progress: called with (steps of the search played, greatest number of these).
 
     Raises:
@@ -103,12 +103,11 @@ def what_if(
         sentence = f"No change of {name}'s actions within 2 s would have won {target}: {search.tried} were tried."
         return WhatIf(contest, search.seat, {}, None, sentence, None)
     alternative, last = search.alternative(change)
-    won = next((one for one in contests_of(alternative, last) if one.target == contest.target), None)
+    won = next((one for one in contests_of(replay.config, last, replay.seed) if one.target == contest.target), None)
     if won is None:
         caught = f"catches {target} at {seconds(last.time_ms - replay.config.control_period_ms)} without a contest"
     else:
-        margin = f" by {millimetres(won.margin_um or 0)}" if won.clause == "R5.4" else ""
-        caught = f"wins {target} at {seconds(won.judged_ms)}{margin} ({won.clause})"
+        caught = f"wins {target} at {seconds(won.judged_ms)} {margin_phrase(won)} ({won.clause})"
     sentence = f"{search.sentence(change)}, and {name} {caught}."
     margin_um = None if won is None else won.margin_um
     return WhatIf(contest, search.seat, search.actions(alternative), margin_um, sentence, alternative)
@@ -141,7 +140,7 @@ def lost_contest_at(replay: Replay, at_s: float, hunter: int | str | None = None
 
 
 def _lost(replay: Replay, contest: Contest, hunter: int | str | None) -> list[Claim]:
-    """Return the claims of hunters with that name that lost a contest, the nearest first."""
+    """Return the claims of hunters with that name that lost a contest, in the contest's order."""
     seats, _ = find_subjects(replay, hunter)
     return [claim for claim in contest.claims if claim.verdict is Verdict.LOST_CONTEST and claim.seat in seats]
 
@@ -169,7 +168,7 @@ class _Search:
                 self._active[step] = engine.active_targets()[0]
             if step >= self._judged:
                 worlds.append(engine.world())
-        if len(worlds) < 2 or contest not in contests_of(replay, worlds[1]):
+        if len(worlds) < 2 or contest not in contests_of(config, worlds[1], replay.seed):
             raise ConfigError(f"contest must be one of explain(replay).contests, got {contest}")
         players = zip(worlds[0].prey, prey_labels(replay), strict=True)
         self.target = next((label for prey, label in players if prey.target == contest.target), contest.target)

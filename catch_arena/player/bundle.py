@@ -65,7 +65,7 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
     targets: dict[int, tuple[int, Track]] = {}
     rulings: list[list[Any]] = []
     contests: list[Contest] = []
-    lenses: list[Lens | None] = []
+    lenses: dict[Contest, Lens] = {}
     numbers: dict[object, int] = {}
     played: dict[str, str] = {}
     commentary = Commentary(info)
@@ -82,11 +82,10 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
             [state - 1, ruling.hunter, ruling.verdict.name, numbers.get(ruling.target)] for ruling in world.rulings
         ]
         if last is not None:
-            annotations = annotations_of(last, world, by_lot=info.by_lot)
-            won = {annotation.seat: annotation.lens for annotation in annotations if annotation.kind == "catch"}
-            for contest in contests_of(replay, world):
-                contests.append(contest)
-                lenses.append(won.get(contest.claims[0].seat))
+            found = contests_of(config, world, replay.seed)
+            annotations = annotations_of(last, world, found)
+            contests += found
+            lenses |= {one.lens.contest: one.lens for one in annotations if one.lens is not None}
             shown = commentary.caption
             commentary.record(last.time_ms, annotations, world.team_scores)
             caption = commentary.caption
@@ -97,7 +96,7 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
                         "agent": caption.agent,
                         "text": caption.text,
                         "atTop": caption.at_top,
-                        "contest": caption.lens and lenses.index(caption.lens),
+                        "contest": caption.lens and contests.index(caption.lens.contest),
                     }
                 )
         last = world
@@ -149,14 +148,14 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
                 "clause": contest.clause,
                 "claims": [[claim.seat, claim.verdict.name, claim.distance_um] for claim in contest.claims],
                 "sentence": contest_sentence(contest, names, played.get(contest.target)),
-                "lens": lens
+                "lens": (lens := lenses.get(contest))
                 and {
                     "corner": lens.corner,
                     "directions": [round(claimant.direction, 3) for claimant in lens.claimants],
-                    "result": result_text(info, lens),
+                    "result": result_text(contest),
                 },
             }
-            for contest, lens in zip(contests, lenses, strict=True)
+            for contest in contests
         ],
         "answers": [
             {

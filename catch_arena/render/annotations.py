@@ -3,12 +3,14 @@
 Pure functions. Every text is placed so that it covers no other text and no number.
 """
 
-from collections.abc import Iterable, Mapping, Sequence
+import math
+from collections.abc import Container, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final, Literal, NamedTuple
 
 import numpy as np
 
+from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.formatting import millimetres
 from catch_arena.render.lens import Lens, lens_of
 from catch_arena.render.match_info import MatchInfo
@@ -16,7 +18,7 @@ from catch_arena.render.shapes import INK, WHITE, Label, Path, Ring, Shape, mix
 from catch_arena.render.text import text_width, truncated
 from catch_arena.render.viewport import GROUND, Viewport
 from catch_arena.replay.motion import Pose2D
-from catch_arena.verdicts import Ruling, Verdict
+from catch_arena.verdicts import Verdict
 from catch_arena.world import World
 
 MOST_NAMES: Final = 8
@@ -33,13 +35,11 @@ MOST_REASONS: Final = 6
 _VISIBLE_MS: Final = {"catch": 900.0, "lost": 1200.0, "refused": 700.0}
 
 
-class Rival(NamedTuple):
-    """Hunter that was near when another caught a target."""
+class Neighbour(NamedTuple):
+    """Hunter near a target that another one catches, which did not ask for it."""
 
     seat: int
     distance_um: int
-    requested: bool
-    """True if it requested the same target in the same step and lost the contest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,14 +54,16 @@ class Annotation:
     """Place of the target [m], or of the hunter if there was no such target."""
     y: float
     text: str = "+1"
-    rivals: tuple[Rival, ...] = ()
-    """Other hunters near a catch: those that lost the contest, then the others, each with the nearest first."""
+    contest: Contest | None = None
+    """Contest that the catch won; None if no other hunter asked for the target."""
+    neighbours: tuple[Neighbour, ...] = ()
+    """Other hunters near a catch, the nearest first."""
     distance_um: int | None = None
     """Distance from the catching hunter to the target [micrometres]; None for other kinds."""
     prey: int | None = None
     """Agent that was caught, numbered after the hunters; None for a target that no agent plays."""
     lens: Lens | None = None
-    """Contest that the catch won; None without a rival of another team."""
+    """Lens of the contest; None without a rival of another team."""
 
     @property
     def visible_ms(self) -> float:
@@ -69,48 +71,43 @@ class Annotation:
         return _VISIBLE_MS[self.kind]
 
 
-def annotations_of(before: World, after: World, *, by_lot: bool = False) -> tuple[Annotation, ...]:
-    """Return the annotations of a step's rulings; `by_lot` is true if lots decide contests and not distance (R5.9)."""
-    targets = {target.name: (target.x, target.y) for target in before.targets}
+def annotations_of(before: World, after: World, contests: Iterable[Contest]) -> tuple[Annotation, ...]:
+    """Return the annotations of a step's rulings and contests."""
+    places = {target.name: (target.x, target.y) for target in before.targets}
     played = {prey.target: agent for agent, prey in enumerate(before.prey, start=len(before.hunters))}
-    distances = {ruling.hunter: ruling.distance_um or 0 for ruling in after.rulings}
+    # under R9.1 each hunter is granted its request, and no one wins
+    decided = {contest.target: contest for contest in contests if contest.clause != "R9.1"}
     annotations = []
     for ruling in after.rulings:
-        hunter = before.hunters[ruling.hunter]
+        hunter, target = before.hunters[ruling.hunter], str(ruling.target)
         if hunter.withdrawn:
             continue  # it is drawn as out, and may go on requesting in every step (R1.7)
-        position = targets.get(str(ruling.target))
-        x, y = position or (hunter.x, hunter.y)
-        origin = (before.time_ms, ruling.hunter, x, y)
+        place, contest = places.get(target), decided.get(target)
+        origin = (before.time_ms, ruling.hunter, *(place or (hunter.x, hunter.y)))
         if ruling.verdict is Verdict.GRANTED:
-            rivals = () if position is None else _rivals(before, after.rulings, ruling, position)
-            prey = played.get(str(ruling.target))
-            lost = [rival for rival in rivals if rival.requested and before.hunters[rival.seat].team != hunter.team]
-            claims = [(ruling.hunter, ruling.distance_um or 0)]
-            claims += [(rival.seat, rival.distance_um) for rival in rivals if rival.requested]
-            lens = lens_of(before, str(ruling.target), claims) if lost else None  # among team-mates there is no loser
-            annotations.append(Annotation("catch", *origin, "+1", rivals, ruling.distance_um, prey, lens))
-        elif ruling.verdict is Verdict.LOST_CONTEST and ruling.winner is not None:
-            behind = distances[ruling.hunter] - distances[ruling.winner]
-            by_distance = behind > 0 and not by_lot  # an exact tie is decided by lot too (R5.5)
-            annotations.append(Annotation("lost", *origin, f"−{millimetres(behind)}" if by_distance else "by lot"))
+            asked = {ruling.hunter} if contest is None else {claim.seat for claim in contest.claims}
+            neighbours = () if place is None else _neighbours(before, place, asked)
+            prey, lens = played.get(target), None
+            if contest is not None and place is not None and not contest.claims[1].mate:
+                lens = lens_of(before, contest)
+            annotations.append(Annotation("catch", *origin, "+1", contest, neighbours, ruling.distance_um, prey, lens))
+        elif ruling.verdict is Verdict.LOST_CONTEST and contest is not None:
+            claim = next(claim for claim in contest.claims if claim.seat == ruling.hunter)
+            behind_um = contest.behind_um(claim)
+            text = "by lot" if behind_um is None else f"−{millimetres(behind_um)}"
+            annotations.append(Annotation("lost", *origin, text))
         else:
             annotations.append(Annotation("refused", *origin, ruling.verdict.name.lower().replace("_", " ")))
     return tuple(annotations)
 
 
-def _rivals(before: World, rulings: Sequence[Ruling], won: Ruling, position: tuple[float, float]) -> tuple[Rival, ...]:
-    lost = {
-        ruling.hunter: ruling.distance_um or 0
-        for ruling in rulings
-        if ruling.verdict is Verdict.LOST_CONTEST and ruling.target == won.target
-    }
-    rivals = [Rival(seat, distance, requested=True) for seat, distance in lost.items()]
+def _neighbours(before: World, place: tuple[float, float], asked: Container[int]) -> tuple[Neighbour, ...]:
+    near = []
     for seat, hunter in enumerate(before.hunters):
-        distance = round(1e6 * float(np.hypot(hunter.x - position[0], hunter.y - position[1])))
-        if seat != won.hunter and seat not in lost and distance < NEAR_UM and not hunter.withdrawn:
-            rivals.append(Rival(seat, distance, requested=False))
-    return tuple(sorted(rivals, key=lambda rival: (not rival.requested, rival.distance_um, rival.seat)))
+        distance_um = round(1e6 * math.hypot(hunter.x - place[0], hunter.y - place[1]))
+        if seat not in asked and distance_um < NEAR_UM and not hunter.withdrawn:
+            near.append(Neighbour(seat, distance_um))
+    return tuple(sorted(near, key=lambda one: (one.distance_um, one.seat)))
 
 
 def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> list[Annotation]:
@@ -137,11 +134,12 @@ def annotation_shapes(
     for annotation in annotations:
         part = (time_ms - annotation.time_ms) / annotation.visible_ms
         lines: list[tuple[int, float]] = []  # seat and relative width
-        if annotation.rivals:
-            near = [(rival.seat, 0.8 if rival.requested else 0.35) for rival in annotation.rivals]
-            lines = [(annotation.seat, 1.0), *near]
-        elif annotation.kind == "lost":
+        if annotation.kind == "lost":
             lines = [(annotation.seat, 0.8)]
+        elif annotation.contest is not None or annotation.neighbours:
+            losers = () if annotation.contest is None else annotation.contest.claims[1:]
+            lines = [(annotation.seat, 1.0), *((claim.seat, 0.8) for claim in losers)]
+            lines += [(one.seat, 0.35) for one in annotation.neighbours]
         x, y = viewport.to_pixels(annotation.x, annotation.y)
         for seat, thickness in lines:  # they become thinner, since paths are opaque
             width = max(0.8, 0.08 * viewport.hunter_length * thickness * (1.0 - part))

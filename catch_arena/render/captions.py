@@ -6,6 +6,7 @@ The page's player shows the same captions and lenses (player/bundle.py).
 from collections.abc import Sequence
 from typing import Final, Literal, NamedTuple
 
+from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.formatting import millimetres
 from catch_arena.explanation.highlights import lead
 from catch_arena.render import hud
@@ -41,25 +42,26 @@ class Caption(NamedTuple):
 
 def caption_of(annotation: Annotation, info: MatchInfo) -> Caption | None:
     """Return the caption of a contest or of a catch of prey; None for other annotations."""
-    hunter, lens = annotation.seat, annotation.lens
-    name, low = _shortened(info.label(hunter)), annotation.y < LOW * info.config.side_m
+    name, lens = _shortened(info.label(annotation.seat)), annotation.lens
     if lens is not None:
-        winner, rival = lens.claimants[:2]
-        other, behind = _shortened(info.label(rival.seat)), rival.distance_um - winner.distance_um
-        if info.by_lot:
-            text, clause = f"{name} is first in the queue, before {other}", "R5.9"
-        elif behind == 0:
-            text, clause = f"{name} and {other} are equally near: {name} wins the draw", "R5.5"
-        elif behind < _STEALS_UM:
-            text, clause = f"{name} steals it from {other} by {millimetres(behind)}", "R5.4"
-        else:
-            text, clause = f"{name} beats {other} to it by {millimetres(behind)}", "R5.4"
-        return Caption(annotation.time_ms, hunter, text, clause, low, lens)
-    if annotation.prey is not None:
-        return Caption(
-            annotation.time_ms, hunter, f"{name} catches {_shortened(info.label(annotation.prey))}", "R12.3", low
-        )
-    return None
+        text, clause = _contest_text(lens.contest, info), lens.contest.clause
+    elif annotation.prey is not None:
+        text, clause = f"{name} catches {_shortened(info.label(annotation.prey))}", "R12.3"
+    else:
+        return None
+    low = annotation.y < LOW * info.config.side_m
+    return Caption(annotation.time_ms, annotation.seat, text, clause, low, lens)
+
+
+def _contest_text(contest: Contest, info: MatchInfo) -> str:
+    name, other = (_shortened(info.label(claim.seat)) for claim in contest.claims[:2])
+    behind_um = contest.behind_um(contest.claims[1])
+    if contest.clause == "R5.9":
+        return f"{name} is first in the queue, before {other}"
+    if behind_um is None:
+        return f"{name} and {other} are equally near: {name} wins the draw"
+    wins = f"steals it from {other}" if behind_um < _STEALS_UM else f"beats {other} to it"
+    return f"{name} {wins} by {millimetres(behind_um)}"
 
 
 def _shortened(name: str) -> str:
@@ -91,6 +93,11 @@ class Commentary:
         self.caption = next((caption for caption in captions if caption is not None), self.caption)
 
 
+def in_words(text: str, clause: str, kind: Captions) -> str:
+    """Return the text of a caption, with its clause if captions have clauses."""
+    return f"{text} ({clause})" if kind == "clauses" else text
+
+
 def caption_shapes(
     viewport: Viewport, info: MatchInfo, caption: Caption, kind: Captions, time_ms: float
 ) -> list[Shape]:
@@ -101,7 +108,7 @@ def caption_shapes(
     shapes = [] if caption.lens is None else lens_shapes(viewport, info, caption.lens, age_ms)
     if kind == "none":
         return shapes
-    text = f"{caption.text} ({caption.clause})" if kind == "clauses" else caption.text
+    text = in_words(caption.text, caption.clause, kind)
     return [*shapes, *panel_shapes(viewport, info.colors[caption.agent], text, at_top=caption.at_top)]
 
 

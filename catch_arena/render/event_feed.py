@@ -9,6 +9,7 @@ from itertools import chain
 from typing import Final, Literal
 
 from catch_arena.explanation.formatting import millimetres
+from catch_arena.explanation.sentences import margin_phrase
 from catch_arena.render.annotations import Annotation
 from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, agent_chip, chip_width, clock, font_size
 from catch_arena.render.match_info import MatchInfo
@@ -32,32 +33,28 @@ class FeedItem:
     times: int = 1
 
 
-def feed_items(annotation: Annotation, *, by_lot: bool) -> Iterator[FeedItem]:
+def feed_items(annotation: Annotation) -> Iterator[FeedItem]:
     """Yield the items of a refusal, of a catch with a rival near, and of a catch of prey."""
-    time_ms, seat = annotation.time_ms, annotation.seat
+    time_ms, seat, contest = annotation.time_ms, annotation.seat, annotation.contest
     if annotation.kind == "refused":
         yield FeedItem(time_ms, (seat, annotation.text), "refused")
-    if annotation.rivals and annotation.distance_um is not None:
-        rival = annotation.rivals[0]
-        behind = rival.distance_um - annotation.distance_um
-        margin = f"by {millimetres(behind)}"
-        if rival.requested:
-            decided = margin if behind > 0 and not by_lot else "by lot"
-            yield FeedItem(time_ms, (seat, "beat", rival.seat, decided), "contest")
-        elif behind > 0:
-            yield FeedItem(time_ms, (seat, "ahead of", rival.seat, margin), "near")
+    if contest is not None:
+        yield FeedItem(time_ms, (seat, "beat", contest.claims[1].seat, margin_phrase(contest)), "contest")
+    elif annotation.neighbours and annotation.distance_um is not None:
+        nearest = annotation.neighbours[0]
+        behind_um = nearest.distance_um - annotation.distance_um
+        if behind_um > 0:
+            yield FeedItem(time_ms, (seat, "ahead of", nearest.seat, f"by {millimetres(behind_um)}"), "near")
     if annotation.prey is not None:
         yield FeedItem(time_ms, (seat, "caught", annotation.prey), "contest")
 
 
-def with_items(
-    feed: Sequence[FeedItem], annotations: Iterable[Annotation], *, by_lot: bool = False
-) -> tuple[FeedItem, ...]:
+def with_items(feed: Sequence[FeedItem], annotations: Iterable[Annotation]) -> tuple[FeedItem, ...]:
     """Return the feed, the newest item first, with the items of the latest annotations.
 
-    Refusals of the same hunter for the same reason are one item with a count. `by_lot` is as in `annotations_of`.
+    Refusals of the same hunter for the same reason are one item with a count.
     """
-    for item in chain.from_iterable(feed_items(annotation, by_lot=by_lot) for annotation in annotations):
+    for item in chain.from_iterable(map(feed_items, annotations)):
         same = [old for old in feed if item.kind == "refused" and old.parts == item.parts]
         counted = replace(item, times=item.times + sum(old.times for old in same))
         feed = [counted, *(old for old in feed if old not in same)][:MOST_ITEMS]

@@ -1,7 +1,6 @@
 """Video of highlights: slow motion around the decisive instant, and a caption."""
 
 import os
-import re
 from collections.abc import Iterator, Sequence
 from fractions import Fraction
 from pathlib import Path
@@ -12,7 +11,7 @@ import numpy as np
 from catch_arena.errors import ConfigError
 from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
-from catch_arena.render.captions import Captions
+from catch_arena.render.captions import Captions, in_words
 from catch_arena.render.cards import GOLD
 from catch_arena.render.encoders import Progress
 from catch_arena.render.match_info import MatchInfo
@@ -30,7 +29,6 @@ _SLOW_TO_MS: Final = 500
 _FADE_S: Final = 0.2
 _CAPTION: Final = 0.13
 """Height of the caption as a part of the picture's."""
-_CLAUSE: Final = re.compile(r" \(R[0-9.]+\)")
 
 
 def render_highlights(
@@ -76,7 +74,7 @@ def _pictures(
         renderer = MatchRenderer(info, (width, height - below), "broadcast", replay.seed, captions="none")
         frame.clear(caption, hud.CARD)
         if below:
-            frame.draw(caption_shapes(caption, highlight, clauses=captions == "clauses"))
+            frame.draw(highlight_shapes(caption, highlight, captions))
         times = slow_motion(highlight, fps)
         for done, pixels in enumerate(frames_of(observed_worlds(replay, renderer), renderer, times)):
             frame.pixels[: height - below] = pixels
@@ -88,9 +86,9 @@ def _pictures(
             )
 
 
-def caption_shapes(area: hud.Rect, highlight: Highlight, *, clauses: bool = False) -> list[Shape]:
-    """Return the shapes of a caption: the event, and below it the reason."""
-    reason = highlight.reason if clauses else _CLAUSE.sub("", highlight.reason)
+def highlight_shapes(area: hud.Rect, highlight: Highlight, captions: Captions) -> list[Shape]:
+    """Return the shapes of the panel below the picture: the event, and below it the reason."""
+    reason = in_words(highlight.reason, highlight.clause, captions)
     big, small = hud.font_size(0.3 * area.height, 12), hud.font_size(0.18 * area.height, 10)
     left, upper, lower = 0.2 * area.height, area.top + 0.34 * area.height, area.top + 0.72 * area.height
     room = area.width - 2.0 * left

@@ -7,6 +7,7 @@ import math
 from collections.abc import Sequence
 from typing import Final, NamedTuple
 
+from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.formatting import millimetres
 from catch_arena.render import hud
 from catch_arena.render.match_info import MatchInfo
@@ -44,30 +45,28 @@ class Claimant(NamedTuple):
 class Lens(NamedTuple):
     """Contest as the lens shows it."""
 
+    contest: Contest
     claimants: tuple[Claimant, ...]
-    """Hunters of the contest: the winner, and then the others by distance."""
+    """Hunters of the first claims."""
     corner: tuple[int, int]
     """Corner of the arena that is farthest from all hunters: 0 or 1 for left or right, and for bottom or top."""
 
 
-def lens_of(before: World, target: str, claims: Sequence[tuple[int, int]]) -> Lens:
-    """Return the lens of a contest for a target; claims are (seat, distance [micrometres]), the winner's first."""
-    hunters, side_m, shown = before.hunters, before.side_m, claims[:MOST_CLAIMANTS]
-    place = next((one.x, one.y) for one in before.targets if one.name == target)
-    true = [math.atan2(hunters[seat].y - place[1], hunters[seat].x - place[0]) for seat, _ in shown]
-    directions = spread_directions(true)
+def lens_of(before: World, contest: Contest) -> Lens:
+    """Return the lens of a contest that was judged on a world."""
+    hunters, side_m, claims = before.hunters, before.side_m, contest.claims[:MOST_CLAIMANTS]
+    place = next((one.x, one.y) for one in before.targets if one.name == contest.target)
+    true = [math.atan2(hunters[claim.seat].y - place[1], hunters[claim.seat].x - place[0]) for claim in claims]
     claimants = tuple(
-        Claimant(seat, distance, direction, hunters[seat].theta)
-        for (seat, distance), direction in zip(shown, directions, strict=True)
+        Claimant(claim.seat, claim.distance_um or 0, direction, hunters[claim.seat].theta)
+        for claim, direction in zip(claims, spread_directions(true), strict=True)
     )
     occupied = [place, *((hunter.x, hunter.y) for hunter in hunters)]
     corners = [(right, top) for top in (1, 0) for right in (1, 0)]
-    return Lens(
-        claimants,
-        max(
-            corners, key=lambda corner: min(math.dist((corner[0] * side_m, corner[1] * side_m), at) for at in occupied)
-        ),
+    corner = max(
+        corners, key=lambda corner: min(math.dist((corner[0] * side_m, corner[1] * side_m), at) for at in occupied)
     )
+    return Lens(contest, claimants, corner)
 
 
 def spread_directions(directions: Sequence[float]) -> list[float]:
@@ -95,13 +94,12 @@ def lens_shapes(viewport: Viewport, info: MatchInfo, lens: Lens, age_ms: float) 
     return _inset(left, upper, size, info, lens)
 
 
-def result_text(info: MatchInfo, lens: Lens) -> str:
+def result_text(contest: Contest) -> str:
     """Return what decided a contest: the difference of the two least distances, the queue, or a draw."""
-    winner, rival = lens.claimants[:2]
-    if info.by_lot:
+    if contest.clause == "R5.9":
         return "first in the queue"
-    behind = rival.distance_um - winner.distance_um
-    return f"{millimetres(behind)} nearer" if behind else "equally near: by draw"
+    behind_um = contest.behind_um(contest.claims[1])
+    return "equally near: by draw" if behind_um is None else f"{millimetres(behind_um)} nearer"
 
 
 def _inset(left: float, top: float, size: float, info: MatchInfo, lens: Lens) -> list[Shape]:
@@ -139,5 +137,5 @@ def _inset(left: float, top: float, size: float, info: MatchInfo, lens: Lens) ->
             Label(right, middle, distance, text, hud.BRIGHT, 700, "right"),
         ]
         middle += 0.1 * size
-    shapes.append(Label(x, middle, result_text(info, lens), text, color, 800, "center", max_width=0.9 * size))
+    shapes.append(Label(x, middle, result_text(lens.contest), text, color, 800, "center", max_width=0.9 * size))
     return shapes

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig, require_choice
 from catch_arena.core.physics import TICK_MS
 from catch_arena.errors import ConfigError
+from catch_arena.explanation.contests import contests_of
 from catch_arena.explanation.highlights import lead
 from catch_arena.plain import plain_setting, whole_number
 from catch_arena.render import cards, hud, scene
@@ -117,9 +118,9 @@ class MatchRenderer:
             self._poses = motion.poses[0]
         self._motion = motion
         self._observations = {step: seen for step, seen in self._observations.items() if step >= motion.before.step}
-        annotations = annotations_of(motion.before, motion.after, by_lot=self.info.by_lot)
+        annotations = annotations_of(motion.before, motion.after, contests_of(self.info.config, motion.after))
         self._annotations = visible_annotations([*self._annotations, *annotations], began_ms)
-        self._feed = with_items(self._feed, annotations, by_lot=self.info.by_lot)
+        self._feed = with_items(self._feed, annotations)
         after = motion.after
         self._scores = after.team_scores
         self._commentary.record(began_ms, annotations, self._scores)

@@ -8,6 +8,7 @@ from catch_arena.explanation.facts import Contest
 from catch_arena.explanation.formatting import millimetres
 from catch_arena.explanation.highlights import Highlight, has_loser
 from catch_arena.explanation.match_summary import Explanation
+from catch_arena.explanation.sentences import margin_phrase
 from catch_arena.explanation.what_if import WhatIf, what_if
 from catch_arena.report.charts import number
 from catch_arena.report.data import ReportData
@@ -67,11 +68,10 @@ def find_lost_contests(data: ReportData, explanations: Mapping[str, Explanation]
             if loser not in closest or margin_um < closest[loser][0]:
                 closest[loser] = margin_um, match, contest
     found = []
-    for loser, (margin_um, match, contest) in sorted(closest.items(), key=lambda item: item[1][0])[:MOST_ANSWERS]:
+    for loser, (_, match, contest) in sorted(closest.items(), key=lambda item: item[1][0])[:MOST_ANSWERS]:
         winner = players[match][party[contest.claims[0].seat]]
         answer = what_if(data.replay(match), contest)
-        reason = f"by {millimetres(margin_um)}" if contest.clause == "R5.4" else "by lot"
-        found.append(LostContest(loser, winner, reason, match, answer))
+        found.append(LostContest(loser, winner, margin_phrase(contest), match, answer))
     return found
 
 

@@ -22,9 +22,12 @@ def mates(play):
 def test_the_words_name_the_team_mate_and_the_clause(mates):
     explanation = explain(mates)
     lines = [line for line in explanation.lines() if "LOST_CONTEST" in line]
-    lost = [claim for contest in explanation.contests for claim in contest.claims if claim.mate]
-    seat = lost[0].seat
-    assert f"LOST_CONTEST (R5.6): ann (hunter_{seat}) (a team-mate, R11.3)" in "\n".join(lines)
+    (contest,) = explanation.contests
+    winner, rival, mate = contest.claims  # the rival first, though the team-mate was nearer
+    assert (mate.seat, mate.mate, rival.mate) == (1, True, False)
+    assert mate.distance_um < rival.distance_um == winner.distance_um + contest.margin_um
+    seat = mate.seat
+    assert f"LOST_CONTEST (R5.6): bob and ann (hunter_{seat}) (a team-mate, R11.3)" in "\n".join(lines)
     summary = next(line for line in explanation.lines() if line.startswith(f"ann (hunter_{seat}): "))
     assert ", 1 to its own team-mates (R11.3)" in summary
     assert explain_step(mates, 1, seat).lines()[-1] in lines

@@ -3,7 +3,9 @@
 import itertools
 
 from catch_arena.config import ArenaConfig
+from catch_arena.explanation.contests import contests_of
 from catch_arena.render import hud, scene, text
+from catch_arena.render.annotations import Annotation, annotations_of
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Path, Polygon, Turtle
 from catch_arena.render.viewport import Viewport
@@ -19,6 +21,12 @@ def a_world(*rulings: Ruling, places=((1.0, 2.0), (9.0, 3.0)), step: int = 5) ->
         TargetState("target_turtle_9", 9, 5.0, 5.0, 1.0, 480),
     )
     return World(100 * step, step, 11.088889122009277, hunters, targets, rulings, 9)
+
+
+def annotated(before: World, after: World, **settings) -> tuple[Annotation, ...]:
+    """Annotations of a step of an arena with these settings."""
+    config = ArenaConfig(hunters=len(after.hunters), **settings)
+    return annotations_of(before, after, contests_of(config, after))
 
 
 def shapes_of(

@@ -5,9 +5,9 @@ import itertools
 import math
 
 import pytest
-from render.pictured import a_world, kinds, shapes_of
+from render.pictured import a_world, annotated, kinds, shapes_of
 
-from catch_arena.render.annotations import Annotation, Rival, annotations_of, spread_apart, visible_annotations
+from catch_arena.render.annotations import Annotation, Neighbour, spread_apart, visible_annotations
 from catch_arena.render.shapes import Label
 from catch_arena.verdicts import Ruling, Verdict
 
@@ -25,9 +25,10 @@ def test_a_contest_tells_who_won_and_by_how_much_the_others_lost():
         Ruling(Verdict.GRANTED, 0, "target_turtle_7", 141_421, 0),
         Ruling(Verdict.LOST_CONTEST, 1, "target_turtle_7", 200_000, 0),
     )
-    catch, lost = annotations_of(a_world(step=4), after)
+    catch, lost = annotated(a_world(step=4), after)
     assert (catch.text, lost.text) == ("+1", "−59 mm")
-    assert catch.rivals == (Rival(1, 200_000, requested=True),)
+    assert [(claim.seat, claim.distance_um) for claim in catch.contest.claims] == [(0, 141_421), (1, 200_000)]
+    assert catch.neighbours == ()
     assert catch.distance_um == 141_421
 
 
@@ -36,24 +37,25 @@ def test_a_tie_and_a_contest_that_goes_by_lots_are_said_to_be_drawn():
         Ruling(Verdict.GRANTED, 0, "target_turtle_7", 200_000, 0),
         Ruling(Verdict.LOST_CONTEST, 1, "target_turtle_7", 200_000, 0),
     )
-    assert annotations_of(a_world(step=4), tie)[1].text == "by lot"
+    assert annotated(a_world(step=4), tie)[1].text == "by lot"
     first_come = a_world(
         Ruling(Verdict.GRANTED, 0, "target_turtle_7", 250_000, 0),
         Ruling(Verdict.LOST_CONTEST, 1, "target_turtle_7", 200_000, 0),
     )
-    assert annotations_of(a_world(step=4), first_come, by_lot=True)[1].text == "by lot"
+    assert annotated(a_world(step=4), first_come, policy="first_come")[1].text == "by lot"
 
 
 def test_who_was_near_without_asking_is_known_too_and_who_was_far_is_not():
     places = ((1.0, 2.0), (1.5, 2.1), (9.0, 9.0))
     after = a_world(Ruling(Verdict.GRANTED, 0, "target_turtle_7", 141_421, 0), places=places)
-    (catch,) = annotations_of(a_world(step=4, places=places), after)
-    assert catch.rivals == (Rival(1, 400_000, requested=False),)
+    (catch,) = annotated(a_world(step=4, places=places), after)
+    assert catch.neighbours == (Neighbour(1, 400_000),)
+    assert catch.contest is None
 
 
 @pytest.mark.parametrize("verdict", sorted(set(Verdict) - {Verdict.GRANTED, Verdict.LOST_CONTEST}))
 def test_every_refusal_is_shown_with_its_reason(verdict):
-    (annotation,) = annotations_of(a_world(step=4), a_world(Ruling(verdict, 0, "target_turtle_7")))
+    (annotation,) = annotated(a_world(step=4), a_world(Ruling(verdict, 0, "target_turtle_7")))
     assert annotation.kind == "refused"
     assert annotation.text.upper().split() == verdict.name.split("_")
     assert annotation.text in [label.text for label in words(shapes_of(a_world(), [annotation]))]
@@ -89,7 +91,7 @@ def test_who_is_out_already_is_refused_in_silence_and_in_the_step_in_which_it_le
     """R1.7: under fixed dropouts it goes on asking in every step."""
     refused = Ruling(Verdict.HUNTER_INACTIVE, 1, "target_turtle_7", None, None)
     before, after = a_world(step=4), a_world(refused)
-    (refusal,) = annotations_of(before, after)
+    (refusal,) = annotated(before, after)
     assert (refusal.kind, refusal.seat, refusal.text) == ("refused", 1, "hunter inactive")
     out = before.hunters[1]._replace(withdrawn=True)
-    assert annotations_of(dataclasses.replace(before, hunters=(before.hunters[0], out)), after) == ()
+    assert annotated(dataclasses.replace(before, hunters=(before.hunters[0], out)), after) == ()

@@ -3,13 +3,13 @@
 import math
 
 import pytest
-from render.pictured import SIZES, a_world, an_info, assert_inside, kinds
+from render.pictured import SIZES, a_world, an_info, annotated, assert_inside, kinds
 
 from catch_arena.config import ArenaConfig
 from catch_arena.explanation.formatting import millimetres
 from catch_arena.render import hud
-from catch_arena.render.annotations import annotations_of
 from catch_arena.render.captions import Commentary, caption_shapes
+from catch_arena.render.event_feed import with_items
 from catch_arena.render.lens import LENS_MS, spread_directions
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Label, Turtle
@@ -19,13 +19,13 @@ from catch_arena.verdicts import Ruling, Verdict
 INFO = MatchInfo.of(ArenaConfig(hunters=2), ("ann", "bob"))
 
 
-def contest(won_um: int, lost_um: int) -> tuple:
+def contest(won_um: int, lost_um: int, **settings) -> tuple:
     """Annotations of a contest that hunter 0 wins."""
     after = a_world(
         Ruling(Verdict.GRANTED, 0, "target_turtle_7", won_um, 0),
         Ruling(Verdict.LOST_CONTEST, 1, "target_turtle_7", lost_um, 0),
     )
-    return annotations_of(a_world(step=4), after)
+    return annotated(a_world(step=4), after, **settings)
 
 
 def caption_after(annotations, info=INFO, scores=(1, 0)):
@@ -46,7 +46,7 @@ def caption_after(annotations, info=INFO, scores=(1, 0)):
 )
 def test_the_caption_of_a_contest_names_the_winner_and_the_reason(distances, settings, text, clause):
     info = MatchInfo.of(ArenaConfig(hunters=2, **settings), ("ann", "bob"))
-    caption = caption_after(contest(*distances), info)
+    caption = caption_after(contest(*distances, **settings), info)
     assert (caption.text, caption.clause) == (text, clause)
 
 
@@ -85,9 +85,26 @@ def test_hunters_on_one_side_of_the_target_are_turned_apart():
 
 def test_there_is_no_lens_among_team_mates_or_without_a_contest():
     after = a_world(Ruling(Verdict.GRANTED, 0, "target_turtle_7", 141_421, 0))
-    (catch,) = annotations_of(a_world(step=4), after)
+    (catch,) = annotated(a_world(step=4), after)
     assert catch.lens is None
     assert caption_after([catch]) is None
+
+
+def test_a_contest_of_teams_is_won_from_the_nearest_hunter_of_another_team():
+    """R11.3: a team-mate that was nearer lost nothing to its own team."""
+    places, teams = ((1.0, 2.0), (1.2, 2.0), (1.0, 2.4)), ((0, 1), (2,))
+    after = a_world(
+        Ruling(Verdict.GRANTED, 0, "target_turtle_7", 141_000, 0),
+        Ruling(Verdict.LOST_CONTEST, 1, "target_turtle_7", 142_000, 0),
+        Ruling(Verdict.LOST_CONTEST, 2, "target_turtle_7", 152_000, 0),
+        places=places,
+    )
+    info = MatchInfo.of(ArenaConfig(hunters=3, teams=teams), ("ann", "amy", "bob"))
+    annotations = annotated(a_world(step=4, places=places), after, teams=teams)
+    caption = caption_after(annotations, info)
+    assert caption.text == "ann steals it from bob by 11 mm"
+    assert {"ann", "bob", "11 mm nearer"} <= set(labels(caption, "plain", info))
+    assert with_items((), annotations)[0].parts == (0, "beat", 2, "by 11 mm")
 
 
 def test_a_new_leader_is_news_and_the_first_one_is_not():

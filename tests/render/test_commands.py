@@ -39,7 +39,7 @@ def test_the_list_says_file_time_kind_and_caption_and_writes_nothing(tmp_path):
     assert result.exit_code == 0, result.output
     lines = result.stdout.splitlines()
     assert len(lines) == 2
-    assert all(re.match(r"m\w*\.replay  \d+\.\d s  \w[\w ]*: ", line) for line in lines)
+    assert all(re.match(r"m\w*\.replay  \d+\.\d s  \w[\w ]*: .*\(R[0-9.]+\)$", line) for line in lines)
     assert sorted(path.name for path in tmp_path.iterdir()) == ["replays"]
 
 

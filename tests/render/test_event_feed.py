@@ -5,13 +5,22 @@ from dataclasses import replace
 import pytest
 from render.pictured import SIZES, an_info, assert_inside, assert_texts_apart, kinds
 
+from catch_arena.explanation.facts import Claim, Contest
 from catch_arena.render import hud
-from catch_arena.render.annotations import Annotation, Rival
+from catch_arena.render.annotations import Annotation, Neighbour
 from catch_arena.render.event_feed import feed_shapes, with_items
 from catch_arena.render.shapes import Label
+from catch_arena.verdicts import Verdict
 
-CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", (Rival(2, 155_000, requested=True),), 143_000)
-NEAR_MISS = Annotation("catch", 19_000, 1, 1.0, 1.0, "+1", (Rival(0, 455_000, requested=False),), 143_000)
+
+def contest(distance_um: int, clause: str = "R5.4") -> Contest:
+    """A contest in which hunter 0, 143 mm away, wins against hunter 2."""
+    claims = Claim(0, Verdict.GRANTED, 143_000), Claim(2, Verdict.LOST_CONTEST, distance_um)
+    return Contest(189, 18_800, "target_turtle_7", clause, claims)
+
+
+CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", contest(155_000), distance_um=143_000)
+NEAR_MISS = Annotation("catch", 19_000, 1, 1.0, 1.0, "+1", None, (Neighbour(0, 455_000),), 143_000)
 
 
 def refused(time_ms: int, seat: int = 3, word: str = "out of reach") -> Annotation:
@@ -28,13 +37,13 @@ def test_contests_near_misses_and_refusals_are_in_the_feed_and_undisturbed_catch
 
 
 def test_a_tie_is_won_by_lot():
-    tie = Annotation("catch", 0, 0, 1.0, 1.0, "+1", (Rival(1, 143_000, requested=True),), 143_000)
-    assert with_items((), [tie])[0].parts == (0, "beat", 1, "by lot")
+    tie = replace(CONTEST, contest=contest(143_000, "R5.5"))
+    assert with_items((), [tie])[0].parts == (0, "beat", 2, "by lot")
 
 
 def test_a_contest_that_the_queue_decides_is_won_by_lot_whoever_was_nearer():
     """R5.9: distance decides nothing there, and the captions and the lens say so too."""
-    feed = with_items((), [CONTEST, NEAR_MISS], by_lot=True)
+    feed = with_items((), [replace(CONTEST, contest=contest(155_000, "R5.9")), NEAR_MISS])
     assert [item.parts for item in feed] == [(1, "ahead of", 0, "by 312 mm"), (0, "beat", 2, "by lot")]
 
 

@@ -8,19 +8,21 @@ from catch_arena.errors import ConfigError
 from catch_arena.explanation.highlights import Highlight
 from catch_arena.render import hud
 from catch_arena.render.highlight_video import (
-    caption_shapes,
+    highlight_shapes,
     render_highlights,
     slow_motion,
 )
 from catch_arena.render.shapes import Label
 
-HIGHLIGHT = Highlight("contest", 500, 1500, 2500, 0.9, "bob beats ann by 0.21 mm", "the nearest wins (R5.4)")
+HIGHLIGHT = Highlight("contest", 500, 1500, 2500, 0.9, "bob beats ann by 0.21 mm", "the nearest wins", "R5.4")
 AREA = hud.Rect(0, 300, 640, 60)
 
 
-@pytest.mark.parametrize(("clauses", "reason"), [(False, "the nearest wins"), (True, HIGHLIGHT.reason)])
-def test_the_caption_says_what_and_why(clauses, reason):
-    shapes = caption_shapes(AREA, HIGHLIGHT, clauses=clauses)
+@pytest.mark.parametrize(
+    ("captions", "reason"), [("plain", "the nearest wins"), ("clauses", "the nearest wins (R5.4)")]
+)
+def test_the_caption_says_what_and_why(captions, reason):
+    shapes = highlight_shapes(AREA, HIGHLIGHT, captions)
     assert [shape.text for shape in shapes if isinstance(shape, Label)] == [HIGHLIGHT.event, reason]
 
 
@@ -35,7 +37,7 @@ def test_time_runs_slowly_about_the_decisive_instant_only():
 def test_the_video_has_every_frame_of_every_highlight(match, tmp_path):
     path = tmp_path / "m.replay"
     match.save(path)
-    late = Highlight("finish", 2000, 2900, 4400, 0.5, "ann 3, bob 2 at the end", "One catch decides")
+    late = Highlight("finish", 2000, 2900, 4400, 0.5, "ann 3, bob 2 at the end", "One catch decides", "R6.1")
     report = render_highlights(
         [(str(path), HIGHLIGHT), (str(path), late)],
         tmp_path / "best.mp4",

@@ -15,6 +15,7 @@ from report.javascript import deno
 import catch_arena
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import explain, what_if
+from catch_arena.explanation.contests import contests_of
 from catch_arena.player.bundle import GRID, TURN, bundle_text, css, encode_bundle, packed_text
 from catch_arena.player.element import element_script
 from catch_arena.render.annotations import annotations_of
@@ -178,7 +179,8 @@ def test_captions_and_the_result_are_those_of_videos(bundles):
         info, worlds = MatchInfo.of_replay(replay), list(replay.worlds())
         commentary, captions = Commentary(info), []
         for before, after in itertools.pairwise(worlds):
-            commentary.record(before.time_ms, annotations_of(before, after, by_lot=info.by_lot), after.team_scores)
+            found = annotations_of(before, after, contests_of(replay.config, after))
+            commentary.record(before.time_ms, found, after.team_scores)
             captions += [commentary.caption] if commentary.caption not in {None, *captions[-1:]} else []
         for one, caption in zip(shown["moments"], captions, strict=True):
             assert (one["time"], one["agent"], one["text"], one["atTop"]) == (

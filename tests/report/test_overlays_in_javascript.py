@@ -11,6 +11,7 @@ from report.javascript import deno
 
 import catch_arena
 from catch_arena.explanation import explain, what_if
+from catch_arena.explanation.contests import contests_of
 from catch_arena.player.bundle import bundle_text, css
 from catch_arena.player.element import player_look
 from catch_arena.render import annotations, captions, hud, lens, text
@@ -176,7 +177,7 @@ def test_captions_and_lenses_are_those_of_videos(matches, drawn, scenario):
     commentary, expected = captions.Commentary(info), []
     for before, after in itertools.pairwise(replay.worlds()):
         last = commentary.caption
-        found = annotations.annotations_of(before, after, by_lot=info.by_lot)
+        found = annotations.annotations_of(before, after, contests_of(replay.config, after))
         commentary.record(before.time_ms, found, after.team_scores)
         if commentary.caption is not last:
             expected.append(commentary.caption)
