@@ -11,11 +11,12 @@ from typing import Final
 
 import msgspec
 
-from catch_arena.classroom.moments import Moment, merit, worst_moment
+from catch_arena.classroom.moments import merit, worst_moment
 from catch_arena.classroom.submissions import Submission
 from catch_arena.config import RULESET
 from catch_arena.errors import AgentError, MatchFailedError
 from catch_arena.files import prepare_folder, write_whole
+from catch_arena.player.moments import Moment
 from catch_arena.replay.fileformat import decode_replay
 from catch_arena.text import last_lines
 from catch_arena.tournament.entrants import Entrant

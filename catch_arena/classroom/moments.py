@@ -1,14 +1,14 @@
-"""Worst moment of a student's matches, for the student's page: a failure, a lost contest, refusals, or a long wait."""
+"""Choice of the moment of a match that an agent's page plays.
 
-import json
-from itertools import islice, pairwise
+The worst is a failure, a lost contest, refusals, or a long wait; the best is a contest that was won, or a catch.
+"""
+
+from itertools import pairwise
 from typing import Final
-
-import msgspec
 
 from catch_arena.explanation import explain
 from catch_arena.explanation.formatting import seconds
-from catch_arena.player.bundle import encode_bundle, packed_text
+from catch_arena.player.moments import Moment, moment_of
 from catch_arena.replay import Replay
 from catch_arena.tournament.match import MatchResult
 from catch_arena.tournament.parties import Parties
@@ -19,22 +19,6 @@ _FAILED: Final = {
     "FORFEIT_ILLEGAL": "gave an illegal action",
 }
 """Captions of failures."""
-
-
-class Moment(msgspec.Struct, frozen=True):
-    """Moment of a match that the page plays."""
-
-    title: str
-    """Test and match."""
-    text: str
-    at_ms: int
-    """Time of the moment, from the reset [ms]."""
-    seat: int | None
-    """The student's seat; None for prey, which the player cannot select."""
-    stopped: bool
-    """True if the agent failed in that moment."""
-    bundle: str
-    """Replay bundle of the match, without its seed."""
 
 
 def merit(result: MatchResult, party: int, hunting: int) -> tuple[bool, int]:
@@ -66,27 +50,26 @@ def worst_moment(replay: Replay, party: int, result: MatchResult) -> Moment | No
     return moment_of(replay, seat, at_ms, str(forfeit), f"{_FAILED[forfeit.code]} here, step {forfeit.step}")
 
 
-def moment_of(replay: Replay, seat: int, at_ms: int, text: str, failed: str = "") -> Moment:
-    """Return a moment of a match, whose bundle has no seed.
+def best_moment(replay: Replay, party: int, result: MatchResult) -> Moment | None:
+    """Return the contest of a match that a party won by least, or its last catch, or the start; None if it failed.
 
-    Args:
-        replay: the match.
-        seat: the agent's seat; prey come after the hunters.
-        at_ms: time of the moment [ms since reset].
-        text: text about the moment.
-        failed: caption for the picture if the agent failed.
+    Raises:
+        ReplayError: if the match does not play as recorded.
     """
-    head, _, tracks = encode_bundle(replay).partition(b"\n")
-    facts = json.loads(head) | {"seed": "hidden"}
-    hunter = seat if seat < replay.config.hunters else None
-    if failed and hunter is not None:
-        caption = f"{facts['hunters'][hunter]['label']} {failed}"
-        world = next(islice(replay.worlds(), at_ms // replay.config.control_period_ms, None))
-        low = world.hunters[hunter].y < replay.config.side_m / 2  # the caption must not cover the hunter
-        moment = {"time": at_ms, "agent": hunter, "text": caption, "atTop": low, "contest": None}
-        facts["moments"] = sorted([*facts["moments"], moment], key=lambda one: int(one["time"]))
-    content = json.dumps(facts, separators=(",", ":"), ensure_ascii=False)
-    return Moment(replay.title, text, at_ms, hunter, bool(failed), packed_text(content.encode() + b"\n" + tracks))
+    if result.forfeits[party] is not None:
+        return None
+    seat = Parties.of(replay.config).seats[party][0]
+    match = explain(replay, seat)
+    won = [contest for contest in match.contests if contest.claims[0].seat == seat and not contest.claims[1].mate]
+    caught = [catch for catch in match.catches if catch.seat == seat]
+    if won:
+        closest = min(won, key=lambda contest: contest.margin_um or 0)
+        return moment_of(replay, seat, closest.judged_ms, match.sentence(closest))
+    if caught:
+        return moment_of(
+            replay, seat, caught[-1].judged_ms, f"Catch {len(caught)} of {len(caught)}, without a contest."
+        )
+    return moment_of(replay, seat, 0, "The start of the match; it catches nothing.")
 
 
 def _worst_moment(replay: Replay, seat: int) -> tuple[int, str]:

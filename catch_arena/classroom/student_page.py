@@ -12,7 +12,7 @@ import jinja2
 from catch_arena.classroom.grading import Graded
 from catch_arena.classroom.marks import hours_late
 from catch_arena.config import RULESET
-from catch_arena.player.element import moment_scripts
+from catch_arena.player.moments import moment_scripts
 from catch_arena.player.page_template import page_style, page_template
 from catch_arena.text import without_folders
 

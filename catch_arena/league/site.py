@@ -10,17 +10,17 @@ from typing import Any, Final
 
 import jinja2
 
-from catch_arena.classroom.moments import Moment, worst_moment
+from catch_arena.classroom.moments import best_moment, worst_moment
 from catch_arena.classroom.submissions import SITE
 from catch_arena.config import RULESET
 from catch_arena.errors import ReplayError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.league.entries import Entry
-from catch_arena.league.moments import Part, best_and_worst, best_moment
+from catch_arena.league.kept_matches import Part, best_and_worst
 from catch_arena.league.store import RatingThen, Version
 from catch_arena.league.update import League
 from catch_arena.player.bundle import css
-from catch_arena.player.element import moment_scripts
+from catch_arena.player.moments import Moment, moment_scripts
 from catch_arena.player.page_template import page_policy, page_style, page_template
 from catch_arena.render.match_info import agent_color
 from catch_arena.replay import Replay

@@ -19,8 +19,8 @@ from catch_arena.config import ArenaConfig
 from catch_arena.errors import AgentError, ConfigError, MatchFailedError
 from catch_arena.files import prepare_folder, write_whole
 from catch_arena.league.entries import Entry, entrant_name, find_entries, shipped_entries, with_own_names
+from catch_arena.league.kept_matches import Part, matches_kept
 from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
-from catch_arena.league.moments import Part, matches_kept
 from catch_arena.league.store import LeagueStore, RatingThen, Version
 from catch_arena.text import one_line, without_folders
 from catch_arena.tournament.agent_check import check_fitness

@@ -1,7 +1,7 @@
 """Replays as parts of web pages: a canvas plays a replay and loads nothing from elsewhere.
 
 - bundle: the data of a replay that a page plays. element: the HTML element `<catch-replay>`, as one script.
-- page_template: templates of pages with that element, and their policy.
+- moments: a moment of a match on a page. page_template: templates of pages with that element, and their policy.
 - page/: the JavaScript.
 """
 

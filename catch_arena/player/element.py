@@ -62,12 +62,6 @@ def element_script() -> str:
     )
 
 
-def moment_scripts(*, plays: bool) -> dict[str, str]:
-    """Return the variables `policy`, `element` and `script` of a page that plays moments (page/moment.html), if any."""
-    element, script = element_script() if plays else "", page_file("catch_arena.player", "moment.js")
-    return {"policy": page_policy(element, script), "element": element, "script": script}
-
-
 def script_json(value: object) -> str:
     """Return JSON that may stand inside a script: nothing in it ends the script."""
     return json.dumps(value, separators=(",", ":"), ensure_ascii=False).replace("<", "\\u003c")

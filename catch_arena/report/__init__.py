@@ -1,7 +1,7 @@
 """Report of a tournament as one page, DIR/report.html; see docs/howto/report.md.
 
 - data: the contents of a tournament's folder. selection: the replays in the page. charts: figures.
-- moments: the first screen, and what would have won contests that agents lost.
+- lost_contests: what would have won contests that agents lost.
 - page: the page itself. watch: the page of a tournament that is under way, served on this machine.
 """
 

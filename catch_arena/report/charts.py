@@ -3,10 +3,13 @@
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 
+from catch_arena.explanation import Explanation
+from catch_arena.explanation.formatting import millimetres
+from catch_arena.explanation.highlights import has_loser
 from catch_arena.policy import Side
 from catch_arena.report.data import ReportData, SideData
 from catch_arena.tournament.match import MoveTimes
@@ -58,6 +61,34 @@ def _round_step(smallest: float) -> float:
     """Return the smallest of ..., 1, 2, 5, 10, ... that is not below `smallest`, which is above 0."""
     power = 10.0 ** math.floor(math.log10(smallest))
     return next(power * digit for digit in (1.0, 2.0, 5.0, 10.0) if power * digit >= smallest * (1.0 - 1e-9))
+
+
+class Figure(NamedTuple):
+    """A figure, its name, and a note after it."""
+
+    name: str
+    value: str
+    note: str = ""
+
+
+def figures(data: ReportData, explanations: Mapping[str, Explanation]) -> list[Figure]:
+    """Return the figures of the first screen: all matches and contests, and the closest contest explained."""
+    played, hunting = len(data.played), data.parties.hunting
+    of_plan = f"of {number(data.planned)}" if data.planned > played else ""
+    contests = sum(sum(one.result.contests_won[:hunting]) for one in data.played)
+    margins = [
+        contest.margin_um or 0
+        for match in explanations.values()
+        for contest in match.contests
+        if contest.clause == "R5.4" and has_loser(contest)
+    ]
+    among = "" if len(explanations) == played else f"in {number(len(explanations))} matches"
+    catches = sum(sum(one.result.scores[:hunting]) for one in data.played)
+    return [
+        Figure("Matches played", number(played), of_plan),
+        Figure("Contests decided", number(contests)),
+        Figure("Closest contest", millimetres(min(margins)), among) if margins else Figure("Catches", number(catches)),
+    ]
 
 
 def headline_of_sides(tables: Mapping[Side, Sequence[Standing]], *, ended: bool) -> str:

@@ -21,7 +21,7 @@ from catch_arena.render.match_info import agent_color
 from catch_arena.render.shapes import TURTLE_PARTS, Color
 from catch_arena.report import charts
 from catch_arena.report.data import ReportData
-from catch_arena.report.moments import LostContest, answer_to, figures, find_lost_contests
+from catch_arena.report.lost_contests import LostContest, answer_to, find_lost_contests
 from catch_arena.report.selection import SelectedMatch, select_matches
 from catch_arena.text import without_folders
 from catch_arena.tournament.agent_spec import command_of, file_of
@@ -89,7 +89,7 @@ def page(
             }
             for side in data.sides
         ],
-        figures=figures(data, explanations),
+        figures=charts.figures(data, explanations),
         moment=moment,
         answer=answer_to(moment, lost),
         lost=lost,

@@ -23,8 +23,8 @@ from catch_arena.cli import league as league_command
 from catch_arena.errors import StoreError
 from catch_arena.league import site, update
 from catch_arena.league.entries import shipped_entries
+from catch_arena.league.kept_matches import Part, best_and_worst
 from catch_arena.league.matchmaking import Evidence, next_blocks, weigh
-from catch_arena.league.moments import Part, best_and_worst
 from catch_arena.league.store import LeagueStore, RatingThen
 from catch_arena.scenarios import scenario
 from catch_arena.tournament.execution import block_queue

@@ -12,7 +12,7 @@ from catch_arena.explanation import explain
 from catch_arena.explanation.highlights import best_highlights
 from catch_arena.report import write_report
 from catch_arena.report.data import ReportData
-from catch_arena.report.moments import answer_to, find_lost_contests
+from catch_arena.report.lost_contests import answer_to, find_lost_contests
 from catch_arena.verdicts import Verdict
 
 

@@ -5,8 +5,8 @@ from report.synthetic import tournament
 from catch_arena.explanation import explain
 from catch_arena.explanation.formatting import millimetres
 from catch_arena.explanation.highlights import best_highlights, find_highlights
+from catch_arena.report.charts import figures
 from catch_arena.report.data import ReportData
-from catch_arena.report.moments import figures
 
 
 def test_the_figures_are_those_of_the_replays(played):

@@ -1,48 +1,18 @@
-"""Contents of the report that come from explained matches: figures, the best moment, and contests that agents lost."""
+"""Contests that agents lost, and what would have won them."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Final
 
 from catch_arena.explanation.facts import Contest
-from catch_arena.explanation.formatting import millimetres
 from catch_arena.explanation.highlights import Highlight, has_loser
 from catch_arena.explanation.match_summary import Explanation
 from catch_arena.explanation.sentences import margin_phrase
 from catch_arena.explanation.what_if import WhatIf, what_if
-from catch_arena.report.charts import number
 from catch_arena.report.data import ReportData
 
 MOST_ANSWERS: Final = 8
 """Greatest number of answers in a report, since each takes up to some seconds to find."""
-
-
-class Figure(NamedTuple):
-    """A figure, its name, and a note after it."""
-
-    name: str
-    value: str
-    note: str = ""
-
-
-def figures(data: ReportData, explanations: Mapping[str, Explanation]) -> list[Figure]:
-    """Return the figures of the first screen: all matches and contests, and the closest contest explained."""
-    played, hunting = len(data.played), data.parties.hunting
-    of_plan = f"of {number(data.planned)}" if data.planned > played else ""
-    contests = sum(sum(one.result.contests_won[:hunting]) for one in data.played)
-    margins = [
-        contest.margin_um
-        for match in explanations.values()
-        for contest in match.contests
-        if contest.clause == "R5.4" and contest.margin_um is not None and not contest.claims[1].mate
-    ]
-    among = "" if len(explanations) == played else f"in {number(len(explanations))} matches"
-    catches = sum(sum(one.result.scores[:hunting]) for one in data.played)
-    return [
-        Figure("Matches played", number(played), of_plan),
-        Figure("Contests decided", number(contests)),
-        Figure("Closest contest", millimetres(min(margins)), among) if margins else Figure("Catches", number(catches)),
-    ]
 
 
 @dataclass(frozen=True, slots=True)
