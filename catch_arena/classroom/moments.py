@@ -81,17 +81,17 @@ def _worst_moment(replay: Replay, seat: int) -> tuple[int, str]:
             return 0, "It was never caught in this match."
         capture = min(match.captures, key=lambda one: one.in_play_ms)
         return capture.judged_ms, match.sentence(capture)
-    lost = {
-        claim.distance_um or 0: contest
+    lost = [
+        (contest.behind_um(claim) or 0, contest)
         for contest in match.contests
         for claim in contest.claims[1:]
         if claim.seat == seat and not claim.mate and contest.clause != "R9.1"
-    }
+    ]
     if match.refusals and sum(match.records[0].refused.values()) > len(lost):
         run = max(match.refusals, key=lambda one: one.times)
         return run.first_ms, match.sentence(run)
     if lost:
-        contest = lost[max(lost)]
+        _, contest = max(lost, key=lambda one: one[0])
         return contest.judged_ms, match.sentence(contest)
     caught = [catch.judged_ms for catch in match.catches if catch.seat == seat]
     start, end = max(pairwise([0, *caught, replay.duration_ms]), key=lambda gap: gap[1] - gap[0])

@@ -3,11 +3,13 @@
 from collections.abc import Sequence
 from typing import Final
 
+from catch_arena.config import ArbitrationPolicy
 from catch_arena.explanation.highlights import lead
 from catch_arena.render import hud
 from catch_arena.render.match_info import Contender, MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Color, Label, Shape, Turtle, mix
 from catch_arena.render.text import text_width
+from catch_arena.text import counted
 
 TITLE_MS: Final = 2000
 """Time for which the title is shown [ms of the video]."""
@@ -20,6 +22,12 @@ DIMMED: Final = 0.1
 GOLD: Final[Color] = (255, 206, 84)
 """Colour of headings."""
 _MOST_ROWS: Final = 8
+_GETS_IT: Final[dict[ArbitrationPolicy, str]] = {
+    "nearest": "the nearest gets it",
+    "first_come": "the first in the queue gets it",
+    "capstone": "both get it",
+}
+"""Rule for contests, by policy."""
 HEIGHTS: Final = (1.0, 0.72, 0.5)
 """Heights of the podium's steps, the first place's first, relative to that."""
 PLACES: Final = ((0.0,), (-0.5, 0.5), (0.0, -1.0, 1.0))
@@ -68,8 +76,7 @@ def goal(info: MatchInfo) -> list[str]:
     seconds = f"{info.duration_ms / 1000:g} s"
     if len(info.contenders) == 1:
         return [f"Catch as many {what} as possible in {seconds}."]
-    rule = "the first in the queue" if info.by_lot else "the nearest"
-    return [f"Most {what} caught in {seconds} wins.", f"Of two at the same time, {rule} gets it."]
+    return [f"Most {what} caught in {seconds} wins.", f"Of two at the same time, {_GETS_IT[info.config.policy]}."]
 
 
 def _members(info: MatchInfo, team: Contender) -> str:
@@ -120,7 +127,7 @@ def times(count: int) -> str:
 def result(info: MatchInfo, scores: Sequence[int]) -> str:
     """Return a match's result in words: the winner and its margin, or those that share the first place."""
     if len(scores) == 1:
-        return f"{info.contenders[0].name}: {scores[0]} {'catch' if scores[0] == 1 else 'catches'}"
+        return f"{info.contenders[0].name}: {counted(scores[0], 'catch', 'catches')}"
     winner, margin = lead(scores)
     if winner is not None:
         name = info.contenders[winner].name

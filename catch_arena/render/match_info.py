@@ -112,11 +112,6 @@ class MatchInfo:
         """R11.1: true if the match has teams."""
         return self.config.teams is not None
 
-    @property
-    def by_lot(self) -> bool:
-        """R5.9: true if a queue, drawn by lot, decides contests and not distance."""
-        return self.config.policy == "first_come"
-
     def number(self, agent: int) -> str:
         """Return the shortest label of an agent: a hunter's seat, or P and a prey's index."""
         hunters = self.config.hunters

@@ -27,7 +27,7 @@ _RIGHT_TO_LEFT: Final = re.compile(
 _FACE: Any = cv2.FontFace("sans") if hasattr(cv2, "FontFace") else None
 
 
-def printable(text: str) -> str:
+def as_drawn(text: str) -> str:
     """Return the text in one line, in the order in which it is seen.
 
     Tabs, line ends and control characters become spaces, and invisible marks are removed. Text that is written from
@@ -43,7 +43,7 @@ def printable(text: str) -> str:
 @lru_cache(maxsize=2048)
 def text_width(text: str, size: int, weight: int) -> int:
     """Return the width of a text [pixels]."""
-    text = printable(text)
+    text = as_drawn(text)
     if not text:
         return 0
     if _FACE is None:
@@ -54,7 +54,7 @@ def text_width(text: str, size: int, weight: int) -> int:
 @lru_cache(maxsize=512)
 def truncated(text: str, size: int, weight: int, max_width: float) -> str:
     """Return the text, or as much of it as fits with an ellipsis, or an empty text if not even that fits."""
-    text = printable(text)
+    text = as_drawn(text)
     if text_width(text, size, weight) <= max_width:
         return text
     for length in range(len(text) - 1, 0, -1):

@@ -13,6 +13,7 @@ from catch_arena.render.hud import CARD, DIM, TRACK, Rect, font_size, legible
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import WHITE, Box, Label, Path, Shape, mix
 from catch_arena.render.text import text_width
+from catch_arena.text import counted
 
 COLUMNS: Final = 220
 """Number of parts in which the timeline is kept and drawn, whatever the match's length."""
@@ -140,7 +141,7 @@ class Timeline:
     def _title_shapes(self) -> list[Shape]:
         """Return the title, the leader with its lead, and the number of catches."""
         left, right = self._area.left + 16 * self._unit, self._left + self._width
-        catches = "1 catch" if self.catches == 1 else f"{self.catches} catches"
+        catches = counted(self.catches, "catch", "catches")
         leader, margin = lead(self._scores[-1])
         title = "Catches" if self._alone else "Catches and lead"
         room = right - left - text_width(catches, self._text, 500) - self._text

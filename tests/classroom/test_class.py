@@ -19,12 +19,17 @@ from tournament.agents import source
 
 import catch_arena
 from catch_arena.classroom.grading import Graded, grade_class, worst_match
+from catch_arena.classroom.moments import worst_moment
 from catch_arena.classroom.submissions import find_submissions
 from catch_arena.errors import ConfigError, MatchFailedError
+from catch_arena.replay import Replay
+from catch_arena.scenarios import scenario
 from catch_arena.tournament.execution import block_queue
 from catch_arena.tournament.execution.executors import Executor
 from catch_arena.tournament.grading import GradedMatch
 from catch_arena.tournament.match import Forfeit, MatchResult
+from catch_arena.tournament.match_loop import play_entrants
+from catch_arena.tournament.players import enter
 from catch_arena.tournament.store import only_one_plays_in
 
 SPEC = """
@@ -190,6 +195,18 @@ def test_the_first_forfeit_is_the_worst_match_though_a_later_one_has_fewer_catch
         result = MatchResult(scores, (1, 1), both, (0, 0), (0, 0), 40, "", (forfeit, None), (), (log, ""))
         played.append(GradedMatch(0, result, b""))
     assert worst_match(played, 2).result.logs[0] == "first"
+
+
+def test_the_worst_moment_is_the_contest_that_was_lost_by_most(tmp_path):
+    """Not the one in which the agent was farthest from the target: the winner was far away too."""
+    agents = enter(["nearest", "nearest", "first", "patrol"])
+    arena = scenario("standard", reach_m=1.0, time_limit_s=20)
+    result = play_entrants(arena, 5, agents, None, record=tmp_path / "m.replay")
+    replay = Replay.load(tmp_path / "m.replay")
+    lost = [contest for contest in catch_arena.explain(replay, 0).contests if contest.claims[1].seat == 0]
+    worst, farthest = (max(lost, key=key) for key in (lambda one: one.margin_um, lambda one: one.claims[1].distance_um))
+    assert worst != farthest
+    assert worst_moment(replay, 0, result).at_ms == worst.judged_ms
 
 
 def test_late_and_similar_submissions_are_for_the_teacher_only(graded):

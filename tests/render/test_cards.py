@@ -57,7 +57,9 @@ def test_cards_stay_inside_and_no_text_covers_another(size, hunters):
 
 
 @pytest.mark.parametrize("area", [(794, 720), (397, 360), (1080, 1080)])
-@pytest.mark.parametrize("settings", [{}, {"prey": 2, "spawn_frequency_hz": 0.0}, {"teams": ((0, 1), (2, 3))}])
+@pytest.mark.parametrize(
+    "settings", [{}, {"prey": 2, "spawn_frequency_hz": 0.0}, {"teams": ((0, 1), (2, 3))}, {"policy": "capstone"}]
+)
 def test_the_title_tells_the_goal_whole(area, settings):
     """In the arena of a video, of a GIF and of a phone's picture."""
     info = MatchInfo.of(ArenaConfig(**settings), ["a"] * (4 + settings.get("prey", 0)), duration_ms=60_000)

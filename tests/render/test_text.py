@@ -14,18 +14,18 @@ def test_long_and_odd_names_end_in_an_ellipsis_or_in_spaces():
 
 
 def test_what_is_written_from_right_to_left_is_turned_round_and_the_rest_is_not():
-    assert text.printable("abc \u05d0\u05d1\u05d2 def") == "abc \u05d2\u05d1\u05d0 def"
-    assert text.printable("\u05d0\u05d1 \u05d2\u05d3") == "\u05d3\u05d2 \u05d1\u05d0"  # a phrase is one run
+    assert text.as_drawn("abc \u05d0\u05d1\u05d2 def") == "abc \u05d2\u05d1\u05d0 def"
+    assert text.as_drawn("\u05d0\u05d1 \u05d2\u05d3") == "\u05d3\u05d2 \u05d1\u05d0"  # a phrase is one run
 
 
 def test_decomposed_letters_are_drawn_as_composed_ones():
-    assert text.printable("n\u0303e\u0301") == "\u00f1\u00e9"
+    assert text.as_drawn("n\u0303e\u0301") == "\u00f1\u00e9"
     assert text.text_width("n\u0303e\u0301", 20, 500) == text.text_width("\u00f1\u00e9", 20, 500)
 
 
 def test_marks_that_nobody_sees_are_left_out():
     """Among them those that would turn the rest of a line round."""
-    assert text.printable("a\u202eb\u200dc\ufeff") == "abc"
+    assert text.as_drawn("a\u202eb\u200dc\ufeff") == "abc"
 
 
 @pytest.mark.parametrize("name", ["日本語", "\U0001f422\U0001f3c6", "\ue000", "\ud800", "e\u0301\u0302\u0303", "﷽", ""])
