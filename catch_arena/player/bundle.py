@@ -22,7 +22,7 @@ from catch_arena.explanation.seats import labels, prey_labels
 from catch_arena.explanation.sentences import contest_sentence
 from catch_arena.explanation.what_if import WhatIf
 from catch_arena.render.annotations import annotations_of
-from catch_arena.render.captions import Commentary
+from catch_arena.render.captions import Caption, Commentary
 from catch_arena.render.cards import result
 from catch_arena.render.ghost import ghost_track, is_low
 from catch_arena.render.lens import Lens, result_text
@@ -56,8 +56,13 @@ def packed_text(content: bytes) -> str:
     return base64.b64encode(gzip.compress(content, mtime=0)).decode()
 
 
-def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
-    """Return a replay's bundle before it is packed. Takes the arguments and raises the errors of `bundle_text`."""
+def encode_bundle(
+    replay: Replay, answers: Sequence[WhatIf] = (), notes: Sequence[Caption] = (), *, hides_seed: bool = False
+) -> bytes:
+    """Return a replay's bundle before it is packed, with notes as further captions.
+
+    The other arguments and the errors are those of `bundle_text`.
+    """
     config, info = replay.config, MatchInfo.of_replay(replay)
     names, prey_names = labels(replay.hunter_names), prey_labels(replay)
     hunters: list[Track] = [[] for _ in names]
@@ -69,7 +74,7 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
     numbers: dict[object, int] = {}
     played: dict[str, str] = {}
     commentary = Commentary(info)
-    moments: list[dict[str, Any]] = []
+    captions: list[Caption] = []
     last: World | None = None
     left = {agent: before for before, agent in replay.withdrawals}
     for state, world in enumerate(replay.worlds()):
@@ -88,17 +93,8 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
             lenses |= {one.lens.contest: one.lens for one in annotations if one.lens is not None}
             shown = commentary.caption
             commentary.record(last.time_ms, annotations, world.team_scores)
-            caption = commentary.caption
-            if caption is not None and caption is not shown:
-                moments.append(
-                    {
-                        "time": caption.time_ms,
-                        "agent": caption.agent,
-                        "text": caption.text,
-                        "atTop": caption.at_top,
-                        "contest": caption.lens and contests.index(caption.lens.contest),
-                    }
-                )
+            if commentary.caption is not None and commentary.caption is not shown:
+                captions.append(commentary.caption)
         last = world
         for target in world.targets:
             numbers[target.name] = target.number
@@ -114,7 +110,7 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
     ghosts = [ghost_track(answer) for answer in answers]
     facts = {
         "title": replay.title,
-        "seed": str(replay.seed),  # seeds may exceed JavaScript's exact integers
+        "seed": "hidden" if hides_seed else str(replay.seed),  # seeds may exceed JavaScript's exact integers
         "side": config.side_m,
         "period": config.control_period_ms,
         "steps": replay.steps,
@@ -168,7 +164,16 @@ def encode_bundle(replay: Replay, answers: Sequence[WhatIf] = ()) -> bytes:
             }
             for answer, ghost in zip(answers, ghosts, strict=True)
         ],
-        "moments": moments,
+        "moments": [
+            {
+                "time": caption.time_ms,
+                "agent": caption.agent,
+                "text": caption.text,
+                "atTop": caption.at_top,
+                "contest": caption.lens and contests.index(caption.lens.contest),
+            }
+            for caption in sorted([*captions, *notes], key=lambda one: one.time_ms)
+        ],
         "result": result(info, last.team_scores) if last is not None else "",
     }
     bodies = [*hunters, *(poses for _, poses in targets.values())]

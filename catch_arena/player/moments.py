@@ -1,6 +1,5 @@
 """Moment of a match as pages play it: page/moment.html shows it, and page/moment.js plays it."""
 
-import json
 from itertools import islice
 
 import msgspec
@@ -8,6 +7,8 @@ import msgspec
 from catch_arena.player.bundle import encode_bundle, packed_text
 from catch_arena.player.element import element_script
 from catch_arena.player.page_template import page_file, page_policy
+from catch_arena.render.captions import Caption
+from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 
 
@@ -37,17 +38,14 @@ def moment_of(replay: Replay, seat: int, at_ms: int, text: str, failed: str = ""
         text: text about the moment.
         failed: caption for the picture if the agent failed.
     """
-    head, _, tracks = encode_bundle(replay).partition(b"\n")
-    facts = json.loads(head) | {"seed": "hidden"}
     hunter = seat if seat < replay.config.hunters else None
+    notes = []
     if failed and hunter is not None:
-        caption = f"{facts['hunters'][hunter]['label']} {failed}"
         world = next(islice(replay.worlds(), at_ms // replay.config.control_period_ms, None))
         low = world.hunters[hunter].y < replay.config.side_m / 2  # the caption must not cover the hunter
-        moment = {"time": at_ms, "agent": hunter, "text": caption, "atTop": low, "contest": None}
-        facts["moments"] = sorted([*facts["moments"], moment], key=lambda one: int(one["time"]))
-    content = json.dumps(facts, separators=(",", ":"), ensure_ascii=False)
-    return Moment(replay.title, text, at_ms, hunter, bool(failed), packed_text(content.encode() + b"\n" + tracks))
+        notes.append(Caption(at_ms, hunter, f"{MatchInfo.of_replay(replay).label(hunter)} {failed}", "", at_top=low))
+    bundle = packed_text(encode_bundle(replay, notes=notes, hides_seed=True))
+    return Moment(replay.title, text, at_ms, hunter, bool(failed), bundle)
 
 
 def moment_scripts(*, plays: bool) -> dict[str, str]:

@@ -31,14 +31,12 @@ def find_lost_contests(data: ReportData, explanations: Mapping[str, Explanation]
     """Return for each agent the closest contest that it lost in some matches, the closest of all first."""
     players = {one.match.id: [data.names[entrant] for entrant in one.match.seating] for one in data.played}
     party = data.tournament.config.team_by_seat
-    closest: dict[str, tuple[int, str, Contest]] = {}
-    for match, one in explanations.items():
-        for contest in filter(has_loser, one.contests):
-            loser, margin_um = players[match][party[contest.claims[1].seat]], contest.margin_um or 0
-            if loser not in closest or margin_um < closest[loser][0]:
-                closest[loser] = margin_um, match, contest
+    lost = [(match, contest) for match, one in explanations.items() for contest in filter(has_loser, one.contests)]
+    closest: dict[str, tuple[str, Contest]] = {}
+    for match, contest in sorted(lost, key=lambda one: one[1].margin_um or 0):
+        closest.setdefault(players[match][party[contest.claims[1].seat]], (match, contest))
     found = []
-    for loser, (_, match, contest) in sorted(closest.items(), key=lambda item: item[1][0])[:MOST_ANSWERS]:
+    for loser, (match, contest) in list(closest.items())[:MOST_ANSWERS]:
         winner = players[match][party[contest.claims[0].seat]]
         answer = what_if(data.replay(match), contest)
         found.append(LostContest(loser, winner, margin_phrase(contest), match, answer))
