@@ -60,7 +60,7 @@ def best_moment(replay: Replay, party: int, result: MatchResult) -> Moment | Non
         return None
     seat = Parties.of(replay.config).seats[party][0]
     match = explain(replay, seat)
-    won = [contest for contest in match.contests if contest.claims[0].seat == seat and not contest.claims[1].mate]
+    won = [contest for contest in match.contests if contest.claims[0].seat == seat and contest.between_teams]
     caught = [catch for catch in match.catches if catch.seat == seat]
     if won:
         closest = min(won, key=lambda contest: contest.margin_um or 0)

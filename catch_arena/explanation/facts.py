@@ -37,6 +37,12 @@ class Contest:
     """Claims of all hunters in the contest: the winner's, those of other teams by distance, those of its team-mates."""
 
     @property
+    def between_teams(self) -> bool:
+        """True if the winner caught the target, and a hunter of another team lost it (R11.3)."""
+        winner, second = self.claims[:2]
+        return winner.verdict is Verdict.GRANTED and second.verdict is Verdict.LOST_CONTEST and not second.mate
+
+    @property
     def margin_um(self) -> int | None:
         """Distance of the second claim minus that of the winner; negative if a lot preferred a farther hunter."""
         first, second = (claim.distance_um for claim in self.claims[:2])

@@ -14,7 +14,6 @@ from catch_arena.explanation.facts import Catch, Contest
 from catch_arena.explanation.formatting import metres, seconds
 from catch_arena.explanation.match_summary import Explanation
 from catch_arena.explanation.sentences import margin_phrase
-from catch_arena.verdicts import Verdict
 
 Kind = Literal["contest", "capture", "lead", "streak", "finish", "upset"]
 
@@ -127,9 +126,7 @@ def select_highlights(found: Mapping[str, Sequence[Highlight]], count: int) -> l
 
 def has_loser(contest: Contest) -> bool:
     """Return whether the distance, or a lot among equally near hunters, gave the target to another team's hunter."""
-    winner, loser = contest.claims[:2]
-    measured = contest.margin_um is not None and contest.clause in ("R5.4", "R5.5")
-    return measured and winner.verdict is Verdict.GRANTED and not loser.mate
+    return contest.between_teams and contest.clause in ("R5.4", "R5.5")
 
 
 def _contests(match: Explanation) -> Iterable[Highlight]:

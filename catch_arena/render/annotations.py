@@ -88,7 +88,7 @@ def annotations_of(before: World, after: World, contests: Iterable[Contest]) -> 
             asked = {ruling.hunter} if contest is None else {claim.seat for claim in contest.claims}
             neighbours = () if place is None else _neighbours(before, place, asked)
             prey, lens = played.get(target), None
-            if contest is not None and place is not None and not contest.claims[1].mate:
+            if contest is not None and place is not None and contest.between_teams:
                 lens = lens_of(before, contest)
             annotations.append(Annotation("catch", *origin, "+1", contest, neighbours, ruling.distance_um, prey, lens))
         elif ruling.verdict is Verdict.LOST_CONTEST and contest is not None:
