@@ -39,7 +39,8 @@ class Neighbour(NamedTuple):
     """Hunter near a target that another one catches, which did not ask for it."""
 
     seat: int
-    distance_um: int
+    behind_um: int | None
+    """Distance to the target minus that of the catching hunter [micrometres]; None if that was not measured."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,8 +59,6 @@ class Annotation:
     """Contest that the catch won; None if no other hunter asked for the target."""
     neighbours: tuple[Neighbour, ...] = ()
     """Other hunters near a catch, the nearest first."""
-    distance_um: int | None = None
-    """Distance from the catching hunter to the target [micrometres]; None for other kinds."""
     prey: int | None = None
     """Agent that was caught, numbered after the hunters; None for a target that no agent plays."""
     lens: Lens | None = None
@@ -86,11 +85,11 @@ def annotations_of(before: World, after: World, contests: Iterable[Contest]) -> 
         origin = (before.time_ms, ruling.hunter, *(place or (hunter.x, hunter.y)))
         if ruling.verdict is Verdict.GRANTED:
             asked = {ruling.hunter} if contest is None else {claim.seat for claim in contest.claims}
-            neighbours = () if place is None else _neighbours(before, place, asked)
+            neighbours = () if place is None else _neighbours(before, place, asked, ruling.distance_um)
             prey, lens = played.get(target), None
             if contest is not None and place is not None and contest.between_teams:
                 lens = lens_of(before, contest)
-            annotations.append(Annotation("catch", *origin, "+1", contest, neighbours, ruling.distance_um, prey, lens))
+            annotations.append(Annotation("catch", *origin, "+1", contest, neighbours, prey, lens))
         elif ruling.verdict is Verdict.LOST_CONTEST and contest is not None:
             claim = next(claim for claim in contest.claims if claim.seat == ruling.hunter)
             behind_um = contest.behind_um(claim)
@@ -101,13 +100,18 @@ def annotations_of(before: World, after: World, contests: Iterable[Contest]) -> 
     return tuple(annotations)
 
 
-def _neighbours(before: World, place: tuple[float, float], asked: Container[int]) -> tuple[Neighbour, ...]:
+def _neighbours(
+    before: World, place: tuple[float, float], asked: Container[int], catching_um: int | None
+) -> tuple[Neighbour, ...]:
     near = []
     for seat, hunter in enumerate(before.hunters):
         distance_um = round(1e6 * math.hypot(hunter.x - place[0], hunter.y - place[1]))
         if seat not in asked and distance_um < NEAR_UM and not hunter.withdrawn:
-            near.append(Neighbour(seat, distance_um))
-    return tuple(sorted(near, key=lambda one: (one.distance_um, one.seat)))
+            near.append((distance_um, seat))
+    return tuple(
+        Neighbour(seat, None if catching_um is None else distance_um - catching_um)
+        for distance_um, seat in sorted(near)
+    )
 
 
 def visible_annotations(annotations: Iterable[Annotation], time_ms: float) -> list[Annotation]:

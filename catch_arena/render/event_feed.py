@@ -40,11 +40,10 @@ def feed_items(annotation: Annotation) -> Iterator[FeedItem]:
         yield FeedItem(time_ms, (seat, annotation.text), "refused")
     if contest is not None:
         yield FeedItem(time_ms, (seat, "beat", contest.claims[1].seat, margin_phrase(contest)), "contest")
-    elif annotation.neighbours and annotation.distance_um is not None:
-        nearest = annotation.neighbours[0]
-        behind_um = nearest.distance_um - annotation.distance_um
-        if behind_um > 0:
-            yield FeedItem(time_ms, (seat, "ahead of", nearest.seat, f"by {millimetres(behind_um)}"), "near")
+    elif annotation.neighbours:
+        rival, behind_um = annotation.neighbours[0]
+        if behind_um is not None and behind_um > 0:
+            yield FeedItem(time_ms, (seat, "ahead of", rival, f"by {millimetres(behind_um)}"), "near")
     if annotation.prey is not None:
         yield FeedItem(time_ms, (seat, "caught", annotation.prey), "contest")
 

@@ -19,8 +19,8 @@ def contest(distance_um: int, clause: str = "R5.4") -> Contest:
     return Contest(189, 18_800, "target_turtle_7", clause, claims)
 
 
-CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", contest(155_000), distance_um=143_000)
-NEAR_MISS = Annotation("catch", 19_000, 1, 1.0, 1.0, "+1", None, (Neighbour(0, 455_000),), 143_000)
+CONTEST = Annotation("catch", 18_800, 0, 1.0, 1.0, "+1", contest(155_000))
+NEAR_MISS = Annotation("catch", 19_000, 1, 1.0, 1.0, "+1", None, (Neighbour(0, 312_000),))
 
 
 def refused(time_ms: int, seat: int = 3, word: str = "out of reach") -> Annotation:
