@@ -14,6 +14,7 @@ from catch_arena.config import (
     checked_teams,
     micrometres,
     require_choice,
+    require_flag,
     require_hunters_per_catch,
     require_integer,
     require_number,
@@ -122,8 +123,8 @@ def arbitrate(
         arbiter.POLICIES[policy],
         np.uint64(checked_seed(seed)),
         number_of_step,
-        bool(match_over),
-        bool(kill_service_up),
+        require_flag("match_over", match_over),
+        require_flag("kill_service_up", kill_service_up),
         int(hunters_per_catch) - 1,
     )
     return rulings_of(table, [name for _, name in requests], number_of_step)

@@ -2,7 +2,6 @@
 
 No fast-math and no fused multiply-add: the same bits compiled and interpreted (R10.1). `error_model="numpy"` drops
 the test for a zero divisor, which would keep loops from becoming SIMD code; no formula of ours divides by zero.
-`_nrt=False`: the core makes no arrays, so nothing is counted and freed, and code for one arena runs a third faster.
 
 `compiler` compiles the core as one piece, and `cache` stores it on the disk.
 """
@@ -32,7 +31,8 @@ F = TypeVar("F", bound=Callable[..., Any])
 Rows = NDArray[np.float64]
 """Slice of the arena memory (core/rows.py): fields lie LANES apart, and one lane is one arena."""
 
-_FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, "_nrt": False}
+_OURS: Final[dict[str, Any]] = COMPILER.FLAGS if COMPILER else {}
+_FLAGS: Final[dict[str, Any]] = {"nogil": True, "error_model": "numpy", "fastmath": False, **_OURS}
 WHOLE: Final[dict[str, Any]] = {**_FLAGS, "pipeline_class": COMPILER.WholeCompiler} if COMPILER else _FLAGS
 """Flags of functions that Python calls."""
 _ALONE: Final[dict[str, Any]] = {**_FLAGS, "no_cpython_wrapper": True, "no_cfunc_wrapper": True}

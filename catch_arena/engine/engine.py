@@ -36,6 +36,10 @@ NO_CHOICES: Final = np.zeros((0, 0), dtype=np.int64)
 NO_COMMANDS: Final = np.zeros((0, 0, 2), dtype=np.float32)
 _NO_REQUESTS: Final = np.zeros((0, REQUEST_COLUMNS), dtype=np.int64)
 _NO_ACTIONS: Final = (NO_CHOICES, NO_COMMANDS, _NO_REQUESTS)
+_LAYOUT: Final = hashlib.blake2b(
+    repr([(name, row) for name, row in vars(rows).items() if name.isupper()]).encode(), digest_size=8
+).hexdigest()
+"""Digest of core/rows.py, which says what each row of a saved state means."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -44,6 +48,8 @@ class SavedState(EqualByBits):
 
     config: str
     """Digest of the arena's config."""
+    layout: str
+    """Digest of the rows that an arena has in this version."""
     num_envs: int | None
     """Number of arenas in the batch; None for a single row."""
     controls: NDArray[np.int8]
@@ -316,6 +322,7 @@ class Engine:
         controls, memory, finished = self._parts(arena)
         return SavedState(
             self._config_digest,
+            _LAYOUT,
             self.num_arenas if arena is None else None,
             controls.copy(),
             tuple(part.copy() for part in memory),
@@ -333,7 +340,9 @@ class Engine:
             ConfigError: for anything else, such as a state of another config or of another version of this package.
         """
         if not isinstance(saved, SavedState):
-            raise ConfigError(f"saved must be a state that save() returned, got {shortened(saved)}")
+            raise ConfigError(f"saved must be a state that a batch's save() returned, got {shortened(saved)}")
+        if getattr(saved, "layout", None) != _LAYOUT:  # a state that was pickled earlier may lack it
+            raise ConfigError("saved must come from this version of Catch Arena, got the state of another version")
         if saved.config != self._config_digest:
             raise ConfigError(
                 f"saved must come from an arena with an equal config (digest {self._config_digest}), got {saved.config}"
@@ -345,9 +354,7 @@ class Engine:
         controls, memory, finished = self._parts(arena)
         if [(part.shape, part.dtype) for part in saved.memory] != [(part.shape, part.dtype) for part in memory]:
             size, found = (sum(part.nbytes for part in parts) for parts in (memory, saved.memory))
-            raise ConfigError(
-                f"saved must come from this version of Catch Arena, in which it has {size} bytes, got other {found}"
-            )
+            raise ConfigError(f"saved must come from an arena of the same kind, with {size} bytes, got {found} bytes")
         if (saved.controls != controls).any():
             self.require_any_control()
         controls[:] = saved.controls

@@ -117,10 +117,11 @@ class CatchArenaAecEnv(OrderEnforcingWrapper):  # type: ignore[misc]
         Raises:
             ConfigError: for anything that `save` did not return, and for the state of another config.
         """
-        if not isinstance(saved, SavedEpisode) or saved.turns is None:
+        turns = getattr(saved, "turns", None)  # an old pickle has none
+        if not isinstance(saved, SavedEpisode) or turns is None:
             raise ConfigError(f"saved must be a state that an AEC env's save() returned, got {shortened(saved)}")
         self._parallel.restore(replace(saved, turns=None))
-        self.env.__dict__ = self._constants | copy.deepcopy(saved.turns)
+        self.env.__dict__ = self._constants | copy.deepcopy(turns)
         self._has_reset = self._has_updated = True
 
     def clone(self) -> "CatchArenaAecEnv":

@@ -221,7 +221,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         agents, engine, by_agent = self.agents, self._engine, self._dictionaries
         if not agents:
             self._require_episode("step")
-            if actions:
+            if not isinstance(actions, Mapping) or actions:
                 raise EpisodeError("cannot call step(): the episode is over; call reset() first")
             return {}, {}, {}, {}, {}  # as PettingZoo's envs; SuperSuit's wrappers need it
         by_agent.read(agents, actions)
@@ -338,7 +338,7 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
             ConfigError: for anything that `save` did not return, and for the state of another config or another
                 version.
         """
-        if not isinstance(saved, SavedEpisode) or saved.turns is not None:
+        if not isinstance(saved, SavedEpisode) or getattr(saved, "turns", saved) is not None:  # an old pickle has none
             raise ConfigError(f"saved must be a state that a parallel env's save() returned, got {shortened(saved)}")
         names = list(saved.possible_agents)
         if len(names) == len(self.possible_agents) and names != self.possible_agents:  # else the configs differ

@@ -412,6 +412,7 @@ class VectorArena:
         """Return the seeds of the current episodes, (B,). A one-arena env reset with such a seed plays the same
         episode.
         """
+        self._require_begun("seeds")
         return self._engine.seeds()
 
     def _require_begun(self, method: str) -> None:

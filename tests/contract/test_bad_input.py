@@ -173,8 +173,9 @@ def test_a_step_at_the_wrong_time_is_refused():
     actions = good(env)
     env.step(actions)
     last = env.digest()
-    with pytest.raises(EpisodeError, match="the episode is over"):
-        env.step(actions)
+    for late in (actions, np.zeros(2), None):
+        with pytest.raises(EpisodeError, match="the episode is over"):
+            env.step(late)
 
     assert env.step({}) == ({}, {}, {}, {}, {})  # nobody is left to act
     assert env.digest() == last
@@ -254,6 +255,8 @@ def test_a_loop_over_the_turns_goes_on_after_an_illegal_action():
         {"seed": -1},
         {"seed": 2**64},
         {"step": None},
+        {"match_over": "no"},
+        {"kill_service_up": None},
     ],
     ids=repr,
 )

@@ -233,20 +233,29 @@ def test_what_an_aec_env_cannot_go_on_from_is_refused():
 
 
 def test_what_another_version_has_kept_is_refused_before_anything_changes():
-    """A state of another length, or of other agents."""
+    """A state of another length, with other rows, without what was added since, or of other agents."""
     env, batch = catch_arena.parallel_env("duel"), catch_arena.VectorArena("duel", 2)
     env.reset(seed=1)
     batch.reset(seed=1)
     before = env.digest(), batch.digest(0), batch.digest(1)
     episode, both, row = env.save(), batch.save(), batch.save(0)
     shorter = [dataclasses.replace(saved, memory=saved.memory[:-8]) for saved in (episode.arena, both, row)]
-    for call in (
-        lambda: env.restore(dataclasses.replace(episode, arena=shorter[0])),
-        lambda: batch.restore(shorter[1]),
-        lambda: batch.restore(shorter[2], 1),
+    moved = [dataclasses.replace(saved, layout="0") for saved in (episode.arena, both, row)]
+    for (arena, others, one), error in (
+        (shorter, r"an arena of the same kind, with \d+ bytes, got"),
+        (moved, "this version"),
     ):
-        with pytest.raises(ConfigError, match=r"come from this version of Catch Arena, in which it has \d+ bytes, got"):
-            call()
+        for call in (
+            lambda arena=arena: env.restore(dataclasses.replace(episode, arena=arena)),
+            lambda others=others: batch.restore(others),
+            lambda one=one: batch.restore(one, 1),
+        ):
+            with pytest.raises(ConfigError, match=f"saved must come from {error}"):
+                call()
+    old = object.__new__(type(episode))  # as unpickled from a version with fewer fields
+    for one in (env, catch_arena.env("duel")):
+        with pytest.raises(ConfigError, match=r"saved must be a state that an? (AEC|parallel) env's save"):
+            one.restore(old)
     renamed = catch_arena.parallel_env("duel", agent_names=["hunter_1", "hunter_0"])
     with pytest.raises(ConfigError, match="saved must come from an env with the agents"):
         renamed.restore(episode)

@@ -47,7 +47,7 @@ def test_a_state_in_other_parts_is_refused():
     saved = engine.save(0)
     memory = np.frombuffer(b"".join(part.tobytes() for part in saved.memory), np.uint8)
     for other in (memory, (memory,)):
-        with pytest.raises(ConfigError, match="must come from this version"):
+        with pytest.raises(ConfigError, match="must come from an arena of the same kind"):
             engine.restore(dataclasses.replace(saved, memory=other), 0)
 
 

@@ -447,6 +447,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
         "digest": lambda: arena.digest(0),
         "restore": lambda: arena.restore(None, 1),
         "save": arena.save,
+        "seeds": arena.seeds,
     }.items():
         with pytest.raises(EpisodeError, match=rf"^cannot call {name}\(\): no episode has begun"):
             call()
