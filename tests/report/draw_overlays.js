@@ -55,6 +55,7 @@ for (const { bundle, age, agents, length, instants } of matches) {
   /** @type {(pose: { x: number, y: number }) => [number, number]} */
   const place = ({ x, y }) => [side / 2 + (x - replay.side / 2) * scale, side / 2 - (y - replay.side / 2) * scale];
   found.push({
+    times: replay.moments.map((moment) => moment.time),
     captions: replay.moments.map((moment) =>
       shapes((pen) => {
         drawCaptionLens(pen, look, replay, moment, side, age, 160);

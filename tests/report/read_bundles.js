@@ -29,10 +29,6 @@ async function read(text) {
       shown: replay.answers.map(({ contest }) =>
         [-2001, -2000, 0, 1500, 1501].map((later) => replay.answerAt(contest.time + later, [2000, 1500])?.text ?? null)
       ),
-      moments: replay.moments.map((moment) => ({
-        ...moment,
-        contest: moment.contest && replay.contests.indexOf(moment.contest),
-      })),
       tracks: bodies.map(tracks),
       states: Array.from({ length: replay.steps + 1 }, (_, state) => {
         const time = state * replay.period;

@@ -2,7 +2,6 @@
 
 import base64
 import gzip
-import itertools
 import json
 import math
 from pathlib import Path
@@ -15,12 +14,8 @@ from report.javascript import deno
 import catch_arena
 from catch_arena.errors import ConfigError
 from catch_arena.explanation import explain, what_if
-from catch_arena.explanation.contests import contests_of
 from catch_arena.player.bundle import GRID, TURN, bundle_text, css, encode_bundle, packed_text
 from catch_arena.player.element import element_script
-from catch_arena.render.annotations import annotations_of
-from catch_arena.render.captions import Commentary
-from catch_arena.render.cards import result
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.replay import Replay
 
@@ -171,33 +166,6 @@ def test_contests_are_those_that_explain_tells_and_lie_at_their_targets(bundles)
             assert one["parties"] == [claim.seat for claim in contest.claims]
             assert replay.config.target_name(one["place"]) == one["target"] == contest.target
     assert count > 5
-
-
-def test_captions_and_the_result_are_those_of_videos(bundles):
-    contests = 0
-    for shown, replay in bundles.values():
-        info, worlds = MatchInfo.of_replay(replay), list(replay.worlds())
-        commentary, captions = Commentary(info), []
-        for before, after in itertools.pairwise(worlds):
-            found = annotations_of(before, after, contests_of(replay.config, after))
-            commentary.record(before.time_ms, found, after.team_scores)
-            captions += [commentary.caption] if commentary.caption not in {None, *captions[-1:]} else []
-        for one, caption in zip(shown["moments"], captions, strict=True):
-            assert (one["time"], one["agent"], one["text"], one["atTop"]) == (
-                caption.time_ms,
-                caption.agent,
-                caption.text,
-                caption.at_top,
-            )
-            assert (one["contest"] is None) == (caption.lens is None)
-            if caption.lens is not None:
-                contests += 1
-                contest = shown["contests"][one["contest"]]
-                claimants = [(claimant.seat, claimant.distance_um) for claimant in caption.lens.claimants]
-                assert [(seat, distance) for seat, _, distance in contest["claims"]][: len(claimants)] == claimants
-                assert contest["time"] == caption.time_ms
-        assert shown["result"] == result(info, worlds[-1].team_scores)
-    assert contests > 5
 
 
 def test_a_contest_without_measured_distances_has_no_lens():

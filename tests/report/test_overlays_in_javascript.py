@@ -182,6 +182,7 @@ def test_captions_and_lenses_are_those_of_videos(matches, drawn, scenario):
         if commentary.caption is not last:
             expected.append(commentary.caption)
     assert any(caption.lens for caption in expected)
+    assert drawn[scenario]["times"] == [caption.time_ms for caption in expected]
     for one, caption in zip(drawn[scenario]["captions"], expected, strict=True):
         now = caption.time_ms + AGES[scenario]
         assert_same(one, captions.caption_shapes(viewport, info, caption, "plain", now))
