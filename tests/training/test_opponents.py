@@ -97,20 +97,26 @@ def quarter_speed_and_catch(view):
     return {"cmd_vel": quarter_speed(view), "catch": np.ones(len(view.observations), dtype=int)}
 
 
+HUNT = {"control": "target", "max_cycles": 40, "reach_m": 1.5}
+
+
 @pytest.mark.parametrize(
-    "opponents",
+    ("scenario", "opponents", "settings"),
     [
-        "nearest",
-        ["nearest", "patrol"],
-        Fixed,
-        ["contested", BatchFixed(quarter_speed, "velocity")],
-        [Full, BatchFixed(quarter_speed_and_catch, "full")],
+        ("standard", "nearest", {}),
+        ("standard", ["nearest", "patrol"], {}),
+        ("standard", Fixed, {}),
+        ("standard", ["contested", BatchFixed(quarter_speed, "velocity")], {}),
+        ("standard", [Full, BatchFixed(quarter_speed_and_catch, "full")], {}),
+        ("tag", "nearest", HUNT),
+        ("herd", ["first", "patrol"], HUNT | {"prey_agent": "corners"}),
     ],
 )
-def test_a_batch_with_opponents_plays_what_one_arena_envs_play(opponents):
+def test_a_batch_with_opponents_plays_what_one_arena_envs_play(scenario, opponents, settings):
     """With the same actions, and each seat under the control of who sits there."""
-    batch = LearnerBatch("standard", 7, opponents=opponents, max_cycles=9)
+    batch = LearnerBatch(scenario, 7, opponents=opponents, **{"max_cycles": 9} | settings)
     batch.reset(seed=4)
+    hunters, steps = batch.config.hunters, batch.config.max_cycles
     rng = np.random.default_rng(0)
     for _ in range(2):
         kinds = batch.arena._engine.controls.copy()
@@ -118,13 +124,13 @@ def test_a_batch_with_opponents_plays_what_one_arena_envs_play(opponents):
         envs = [catch_arena.parallel_env(config) for config in configs]
         for env, seed in zip(envs, batch.arena.seeds().tolist(), strict=True):
             env.reset(seed=seed)
-        for step in range(9):
+        for step in range(steps):
             seats = batch.seats[:, 0]
-            actions = rng.integers(0, 9, 7)
+            actions = rng.integers(0, batch.config.targets_seen + 1, 7)
             expected = []
             result = batch.step(actions)
             for row, env in enumerate(envs):
-                actions_by_name = {}
+                actions_by_name = dict(zip(batch.config.prey_names, batch._commands[row, hunters:], strict=True))
                 for seat, word in enumerate(configs[row].controls):
                     rank, command = int(batch._choices[row, seat]), batch._commands[row, seat]
                     full = {"cmd_vel": command, "catch": rank}
@@ -133,13 +139,15 @@ def test_a_batch_with_opponents_plays_what_one_arena_envs_play(opponents):
                 observations, rewards, *_ = env.step(actions_by_name)
                 expected.append(observations[f"hunter_{seats[row]}"])
                 assert result.rewards[row] == np.float32(rewards[f"hunter_{seats[row]}"])
-            if step < 8:
+            if step < steps - 1:
                 assert (result.observations == np.array(expected)).all()
         assert result.ended.tolist() == list(range(7))
         assert (result.final_observations == np.array(expected)).all()
         assert result.truncations.all()
-        scores = [env.world().hunters[seat].score for env, seat in zip(envs, seats, strict=True)]
+        worlds = [env.world() for env in envs]
+        scores = [world.hunters[seat].score for world, seat in zip(worlds, seats, strict=True)]
         assert result.figures["score"].tolist() == scores
+        assert any(one.times_caught for world in worlds for one in world.prey) == bool(batch.config.prey)
 
 
 def test_learners_move_on_by_a_seat_and_opponents_are_drawn_anew_in_each_episode():

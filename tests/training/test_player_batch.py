@@ -228,7 +228,7 @@ ENDING = scenario("tag", prey_returns_s=None, reach_m=1.0, max_cycles=80)
     ("config", "names"),
     [
         (ENDING, ["intercept", "nearest", "intercept", "flee"]),
-        (scenario("herd", **SHORT), ["nearest", "intercept", "nearest", "patrol", *["flee"] * 4]),
+        (scenario("herd", **SHORT), ["nearest", "intercept", "nearest", "patrol", *["corners"] * 4]),
         (scenario("pairs", **SHORT), ["intercept", "nearest", "contested", "patrol"]),
     ],
 )
@@ -243,6 +243,8 @@ def test_a_match_is_that_of_a_one_arena_env(config, names):
     everyone = [*policies["hunter"], *policies["prey"]]
     for arena, seed in enumerate(batch_seeds(4, 6).tolist()):
         observations, infos = env.reset(seed=seed)
+        for policy in everyone:
+            policy.reset(0)
         while env.agents:
             actions = {}
             for place, (name, policy) in enumerate(zip(env.possible_agents, everyone, strict=True)):
