@@ -256,20 +256,6 @@ def test_supersuits_frame_skip_plays(frames):
     assert total == sum(hunter.score for hunter in plain.world().hunters) > 0
 
 
-def test_supersuits_black_death_asks_for_one_empty_step_after_the_end():
-    """A step after the end returns five empty dicts, and then the wrapper ends too."""
-    plain = catch_arena.parallel_env("duel", max_cycles=3)
-    env = supersuit.black_death_v3(plain)
-    env.reset(seed=1)
-    steps = 0
-    while env.agents:
-        *_, infos = env.step(dict.fromkeys(env.agents, 0))
-        steps += 1
-
-    assert (steps, infos) == (4, {agent: {} for agent in plain.possible_agents})
-    assert plain.world().step == 3
-
-
 def test_pettingzoos_wrapper_ends_an_episode_at_an_illegal_action():
     """TerminateIllegalWrapper writes into `unwrapped`; the next episode knows nothing of it."""
     for mask_in_observation in (False, True):
