@@ -105,22 +105,6 @@ def test_r12_5_prey_is_withdrawn_stands_still_and_can_be_caught():
     env.step(chase(env, infos))
 
 
-def test_an_action_of_prey_that_is_out_for_good_is_ignored():
-    """R12.3: the arena plays on as without it."""
-    env = catch_arena.parallel_env(
-        "tag", hunters=1, prey=3, initial_targets=3, max_targets=3, prey_returns_s=None, reach_m=20.0
-    )
-    env.reset(seed=1)
-    rest = np.zeros(2, np.float32)
-    while "prey_0" in env.agents:
-        env.step(dict.fromkeys(env.agents, rest))
-    assert env.agents == ["hunter_0", "prey_2"]
-    other = env.clone()
-    env.step(dict.fromkeys([*env.agents, "prey_0"], rest))
-    other.step(dict.fromkeys(other.agents, rest))
-    assert env.digest() == other.digest()
-
-
 @pytest.mark.parametrize("action", [2, [0.5], [0.5, -float("inf")], "ahead", [float("nan"), 0.0], None])
 def test_an_action_that_prey_cannot_give_is_refused(action):
     """Nothing moves."""
