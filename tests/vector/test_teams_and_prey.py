@@ -4,90 +4,14 @@ import re
 
 import numpy as np
 import pytest
-from vector.test_vector_arena import random_actions
+from vector.test_vector_arena import HUNT, random_actions
 
-from catch_arena import VectorArena, parallel_env, scenario
-from catch_arena.engine.episode_seeds import batch_seeds
+from catch_arena import VectorArena, scenario
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.layout import observation_size, prey_observation_size
 
 SEED = 20_261_122
-HUNT = scenario(
-    "standard",
-    hunters=3,
-    side_m=4.0,
-    prey=3,
-    initial_targets=5,
-    max_targets=6,
-    reach_m=0.6,
-    reverse=True,
-    prey_returns_s=0.4,
-    prey_rewards={"survived": 0.1, "gained": 1.0},
-    time_limit_s=2.0,
-)
-"""Much happens, and episodes are short."""
 TEAMS = scenario("squads", side_m=6.0, spawn_frequency_hz=8.0, reach_m=0.6, team_share=0.5, time_limit_s=2.0)
-
-
-def row_of(config, agent):
-    """An agent's place among those of its arena."""
-    side, _, index = agent.partition("_")
-    return int(index) + (config.hunters if side == "prey" else 0)
-
-
-def same(observation, row):
-    """True if a row of the batch has the numbers of the env, and zeros after them."""
-    return observation.tobytes() == row[: len(observation)].tobytes() and not row[len(observation) :].any()
-
-
-@pytest.mark.rule("R12.7")
-@pytest.mark.parametrize(
-    "config",
-    [HUNT, HUNT.replace(prey=1, prey_returns_s=None), HUNT.replace(hunters=12, prey_rewards={"gained": 0.0})],
-    ids=str,
-)
-def test_r12_7_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(config):
-    """Observations, rewards and who is active in every step, last observations and figures of every episode. Prey that
-    is out for good keeps its row here, and has left there.
-    """
-    arena, row, source = VectorArena(config, 40), 37, np.random.default_rng(SEED)
-    observations, infos = arena.reset(seed=SEED)
-    env = parallel_env(config)
-    seen, notes = env.reset(seed=int(batch_seeds(SEED, 40)[row]))
-    returns, caught, episodes = np.zeros(config.prey), np.zeros(config.prey), 0
-    for _ in range(3 * config.max_steps + 5):
-        for agent, observation in seen.items():
-            assert same(observation, observations[row, row_of(config, agent)])
-        actions = random_actions(config, 40, source)
-        observations, rewards, terminations, truncations, infos = arena.step(**actions)
-        one = {f"hunter_{seat}": int(actions["choices"][row, seat]) for seat in range(config.hunters)}
-        one |= {f"prey_{i}": actions["commands"][row, config.hunters + i] for i in range(config.prey)}
-        seen, gained, _, _, notes = env.step({agent: one[agent] for agent in env.agents})
-        for agent, reward in gained.items():
-            agent_row = row_of(config, agent)
-            assert np.float32(reward) == rewards[row, agent_row]
-            if agent_row >= config.hunters:
-                returns[agent_row - config.hunters] += reward
-                caught[agent_row - config.hunters] += notes[agent]["caught_by"] != -1
-        over = terminations[row] or truncations[row]
-        if not over:
-            in_play = [prey.target is not None for prey in env.world().prey]
-            assert infos["active"][row].tolist() == [True] * config.hunters + in_play
-            continue
-        assert infos["_final_obs"][row]
-        for agent, observation in seen.items():
-            assert same(observation, infos["final_obs"][row, row_of(config, agent)])
-        figures = infos["episode"]
-        np.testing.assert_allclose(figures["return"][row, config.hunters :], returns, rtol=1e-5, atol=1e-5)
-        assert figures["times_caught"][row].tolist() == caught.tolist()
-        assert figures["rank"][row, config.hunters :].tolist() == [
-            1 + sum(other < mine for other in caught) for mine in caught
-        ]
-        assert (figures["length"][row] == env.world().step).all()
-        returns[:], caught[:] = 0.0, 0.0
-        seen, notes = env.reset()
-        episodes += 1
-    assert episodes == 3
 
 
 @pytest.mark.rule("R12.5")

@@ -9,13 +9,26 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from catch_arena import ArenaConfig, VectorArena, Verdict, parallel_env
+from catch_arena import ArenaConfig, VectorArena, Verdict, parallel_env, scenario
 from catch_arena.engine.episode_seeds import batch_seeds
 from catch_arena.errors import ActionError, ConfigError, EpisodeError
 
 SEED = 20_261_121
 BUSY = ArenaConfig(hunters=5, side_m=4.0, max_targets=8, initial_targets=4, spawn_frequency_hz=4.0, time_limit_s=2.0)
-"""Much happens, and episodes are short."""
+HUNT = scenario(
+    "standard",
+    hunters=3,
+    side_m=4.0,
+    prey=3,
+    initial_targets=5,
+    max_targets=6,
+    reach_m=0.6,
+    reverse=True,
+    prey_returns_s=0.4,
+    prey_rewards={"survived": 0.1, "gained": 1.0},
+    time_limit_s=2.0,
+)
+"""Much happens in both, and episodes are short."""
 CONTROLS = ("target", "velocity", "full", ("target", "velocity", "full", "full", "target"))
 
 
@@ -38,53 +51,77 @@ def one_arenas_actions(config, actions, row):
         "velocity": lambda seat: commands[row, seat],
         "full": lambda seat: {"cmd_vel": commands[row, seat], "catch": int(catches[row, seat])},
     }
-    return {f"hunter_{seat}": kinds[control](seat) for seat, control in enumerate(config.controls)}
+    hunters = {f"hunter_{seat}": kinds[control](seat) for seat, control in enumerate(config.controls)}
+    return hunters | {f"prey_{index}": commands[row, config.hunters + index] for index in range(config.prey)}
 
 
-@pytest.mark.parametrize("control", CONTROLS)
-def test_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(control):
-    """Observations, rewards, masks and ends of every step, last observations and figures of every episode."""
-    config = BUSY.replace(control=control)
+def same(observation, row):
+    """True if a row of the batch has the numbers of the env, and zeros after them."""
+    return observation.tobytes() == row[: len(observation)].tobytes() and not row[len(observation) :].any()
+
+
+@pytest.mark.rule("R12.7")
+@pytest.mark.parametrize(
+    "config",
+    [
+        *(BUSY.replace(control=control) for control in CONTROLS),
+        *(HUNT, HUNT.replace(prey=1, prey_returns_s=None), HUNT.replace(hunters=12, prey_rewards={"gained": 0.0})),
+    ],
+)
+def test_r12_7_a_row_plays_what_the_one_arena_env_plays_through_several_episodes(config):
+    """Observations, rewards, masks, ends and who is active in every step, last observations and figures of every
+    episode. Prey that is out for good keeps its row here, and has left there.
+    """
     arena, row, source = VectorArena(config, 40), 37, np.random.default_rng(SEED)
     observations, infos = arena.reset(seed=SEED)
     env = parallel_env(config)
     seen, _ = env.reset(seed=int(batch_seeds(SEED, 40)[row]))
-    tally = np.zeros((config.hunters, len(Verdict)))
-    won, returns, episodes = np.zeros(config.hunters), np.zeros(config.hunters), 0
+    hunters, places = config.hunters, {agent: place for place, agent in enumerate(env.possible_agents)}
+    tally, won = np.zeros((hunters, len(Verdict))), np.zeros(hunters)
+    returns, caught, episodes = np.zeros(len(places)), np.zeros(config.prey), 0
     for _ in range(3 * config.max_steps + 5):
-        assert (np.array(list(seen.values())) == observations[row]).all()
+        assert all(same(one, observations[row, places[agent]]) for agent, one in seen.items())
         actions = random_actions(config, 40, source)
         observations, rewards, terminations, truncations, infos = arena.step(**actions)
-        seen, gained, ended, cut, notes = env.step(one_arenas_actions(config, actions, row))
-        assert rewards[row].tolist() == np.array(list(gained.values()), np.float32).tolist()
-        assert (terminations[row], truncations[row]) == (any(ended.values()), any(cut.values()))
+        given = one_arenas_actions(config, actions, row)
+        seen, gained, ended, cut, notes = env.step({agent: given[agent] for agent in env.agents})
+        assert all(rewards[row, places[agent]] == np.float32(reward) for agent, reward in gained.items())
+        assert (terminations[row], truncations[row]) == (all(ended.values()), any(cut.values()))
         assert infos["_final_obs"][row] == (not env.agents)
-        returns += list(gained.values())
+        for agent, reward in gained.items():
+            returns[places[agent]] += reward
         rulings = env.world().rulings
         assert arena.rulings(row) == (rulings if env.agents else ())
         for ruling in rulings:
             tally[ruling.hunter, ruling.verdict - 1] += 1
         won[list({ruling.winner for ruling in rulings if ruling.verdict is Verdict.LOST_CONTEST})] += 1
+        masks = "action_mask" if env.agents else "final_mask"
+        for agent, note in notes.items():
+            if "action_mask" in note:
+                assert (note["action_mask"] == infos[masks][row, places[agent]]).all()
+            if agent.startswith("prey"):
+                caught[places[agent] - hunters] += note["caught_by"] != -1
         if env.agents:
-            for seat, note in enumerate(notes.values()):
-                mask = note.get("action_mask")
-                assert mask is None or (mask == infos["action_mask"][row, seat]).all()
+            if config.prey:
+                in_play = [prey.target is not None for prey in env.world().prey]
+                assert infos["active"][row].tolist() == [True] * hunters + in_play
             continue
-        scores = np.array([hunter.score for hunter in env.world().hunters])
+        assert all(same(one, infos["final_obs"][row, places[agent]]) for agent, one in seen.items())
         figures = {name: values[row] for name, values in infos["episode"].items()}
-        assert (infos["final_obs"][row] == np.array(list(seen.values()))).all()
-        for seat, note in enumerate(notes.values()):
-            mask = note.get("action_mask")
-            assert mask is None or (mask == infos["final_mask"][row, seat]).all()
+        scores = np.array([hunter.score for hunter in env.world().hunters])
         assert (figures["length"] == config.max_steps).all()
-        assert (figures["score"] == scores).all()
-        assert figures["rank"].tolist() == [1 + (scores > score).sum() for score in scores]
-        assert (figures["verdicts"] == tally).all()
-        assert (figures["contests_lost"] == tally[:, Verdict.LOST_CONTEST - 1]).all()
-        assert (figures["contests_won"] == won).all()
-        assert figures["return"] == pytest.approx(returns)
+        assert (figures["score"][:hunters] == scores).all()
+        assert figures["rank"][:hunters].tolist() == [1 + (scores > score).sum() for score in scores]
+        assert figures["rank"][hunters:].tolist() == [1 + (caught < times).sum() for times in caught]
+        assert (figures["verdicts"][:hunters] == tally).all()
+        assert (figures["contests_lost"][:hunters] == tally[:, Verdict.LOST_CONTEST - 1]).all()
+        assert (figures["contests_won"][:hunters] == won).all()
+        assert figures["return"][:hunters] == pytest.approx(returns[:hunters])
+        np.testing.assert_allclose(figures["return"][hunters:], returns[hunters:], rtol=1e-5, atol=1e-5)
+        if config.prey:
+            assert figures["times_caught"].tolist() == caught.tolist()
         seen, _ = env.reset()
-        tally[:], won[:], returns[:], episodes = 0, 0, 0, episodes + 1
+        tally[:], won[:], returns[:], caught[:], episodes = 0, 0, 0, 0, episodes + 1
     assert episodes == 3
 
 
