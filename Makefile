@@ -20,7 +20,7 @@ unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
 .PHONY: help card compat demo test quick extras train hostile nightly long laws interpreted numba boundscheck coverage \
-	mutate browser ros window check format bench pictures golden docs site clean setup pythons
+	mutate browser ros window check format bench pictures golden docs site clean setup ends pythons
 
 help: ## list the targets
 	@grep -E '^[a-z]+:.*##' $(MAKEFILE_LIST) | sed -E 's/^([a-z]+):.*## /\1\t/' | expand -t 12
@@ -51,7 +51,7 @@ hostile: $(VENV)/ready-dev ## run agents that attack the tournament, its results
 nightly: long laws boundscheck numba coverage mutate compat pythons ## run all tests that take long, among them compat, pythons, and ros on each Python
 	$(BIN)/python scripts/ros_nodes.py --all
 
-long: $(VENV)/ready-dev $(VENV)/ready-torch ## run the tests that are marked nightly
+long: $(VENV)/ready-dev $(VENV)/ready-torch ## run the tests that are marked nightly (torch: 3 GB)
 	$(BIN)/pytest $(WORKERS) -m nightly tests
 
 laws: $(VENV)/ready-dev ## run the property tests at length, with a million steps of engine against oracle
@@ -90,6 +90,9 @@ window: $(VENV)/ready-dev ## play in a real window, on an X server without a scr
 
 ros: $(VENV)/ready-dev ## play and grade with real ROS 2 nodes (needs a compiler, and 700 MB in .venv-ros)
 	$(BIN)/python scripts/ros_nodes.py $(ROS)
+
+ends: $(VENV)/ready-dev ## play golden matches on the lowest CPython with the oldest dependencies, and on the highest with the newest
+	$(BIN)/python scripts/pythons.py --ends
 
 pythons: $(VENV)/ready-dev ## try each installed CPython, with the newest and the oldest dependencies
 	$(BIN)/python scripts/pythons.py

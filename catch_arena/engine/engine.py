@@ -21,12 +21,13 @@ from catch_arena.core.state import ABSENT, ALL_OPTIONS
 from catch_arena.core.vectors import LANES, PLAYED, SINGLE, WIDE
 from catch_arena.engine.compiling import announced
 from catch_arena.engine.core_settings import limits_by_seat, settings_of, sizes_of
-from catch_arena.engine.reading import RULING, row_of, state_in, views_of, world_in
+from catch_arena.engine.reading import RULING, row_of, rulings_in, state_in, views_of, world_in
 from catch_arena.equality import EqualByBits
 from catch_arena.errors import ConfigError
 from catch_arena.seeding import checked_seed
 from catch_arena.text import shortened
 from catch_arena.threads import run_in_threads
+from catch_arena.verdicts import Ruling
 from catch_arena.world import World
 
 _HUNTERS_A_PART: Final = 4096
@@ -280,6 +281,10 @@ class Engine:
     def world(self, arena: int = 0) -> World:
         """Return one arena as a World, with names."""
         return world_in(self.views, arena)
+
+    def rulings(self, arena: int) -> tuple[Ruling, ...]:
+        """R5.6: return the verdicts of the last step with their evidence, by seat."""
+        return rulings_in(self.views, arena)
 
     def state(self, arena: int = 0) -> NDArray[np.float64]:
         """A.8: return the numbers of one arena's state, (n,), in the order in which the digest reads them."""

@@ -72,14 +72,15 @@ def _rows_of(views: ArenaViews, arena: int) -> tuple[NDArray[np.float64], ...]:
     return own, views.hunters[chunk, :, :, lane], read, views.prey[chunk, :, :, lane]
 
 
-def _rulings_of(hunters: NDArray[np.float64], steps: int, config: ArenaConfig) -> tuple[Ruling, ...]:
-    """R5.6: return the verdicts of the last step with their evidence, by seat; `hunters` are their rows."""
-    found = []
+def rulings_in(views: ArenaViews, arena: int) -> tuple[Ruling, ...]:
+    """R5.6: return the verdicts of the last step with their evidence, by seat."""
+    own, hunters, _, _ = _rows_of(views, arena)
+    found, steps = [], int(own[row_of(rows.STEP)])
     for seat, (number, verdict, distance, winner) in enumerate(hunters[:, RULING].tolist()):
         if verdict == NO_REQUEST:
             continue
         step = steps if verdict == Verdict.MATCH_OVER else steps - 1
-        target = config.target_name(int(number)) if number else None
+        target = views.config.target_name(int(number)) if number else None
         found.append(Ruling.of_numbers(verdict, seat, target, distance, winner, step))
     return tuple(found)
 
@@ -90,10 +91,9 @@ def world_in(views: ArenaViews, arena: int) -> World:
     own, hunters, targets, prey = _rows_of(views, arena)
     played = _numbers_played(targets, prey).tolist() if config.prey else []
     players = dict(zip(played, config.prey_names, strict=True))
-    step = int(own[row_of(rows.STEP)])
     return World(
         time_ms=int(own[row_of(rows.TIME)]),
-        step=step,
+        step=int(own[row_of(rows.STEP)]),
         side_m=config.side_m,
         hunters=tuple(
             HunterState(
@@ -128,7 +128,7 @@ def world_in(views: ArenaViews, arena: int) -> World:
             )
             for number, x, y, theta, appeared, *motion in targets.tolist()
         ),
-        rulings=_rulings_of(hunters, step, config),
+        rulings=rulings_in(views, arena),
         spawned=int(own[row_of(rows.SPAWNED)]),
         prey=tuple(
             PreyState(

@@ -208,6 +208,7 @@ class VectorArena:
         else:
             seeds = batch_seeds(arena_seed(seed), self.num_envs)[chosen]
         self._engine.reset(seeds, chosen)
+        self._ended[chosen] = False  # what the last step ended can be read until the next one
         return self._begun()
 
     def place(
@@ -253,11 +254,11 @@ class VectorArena:
         hunters = _bodies("hunters", hunters, (len(chosen), config.hunters, config.hunters), of_hunters)
         targets = _bodies("targets", targets, (len(chosen), 0, config.max_targets), of_targets)
         self._engine.place_batch(chosen, hunters, targets, played)
+        self._ended[chosen] = False  # what the last step ended can be read until the next one
         return self._begun()
 
     def _begun(self) -> Begun:
         self._has_begun = True
-        self._update_ends()
         return self._handed_out((self._engine.observations, dict(self._infos)))
 
     def step(self, choices: ArrayLike | None = None, commands: ArrayLike | None = None) -> StepResults:
@@ -385,6 +386,7 @@ class VectorArena:
             EpisodeError: for a single arena before the first reset.
         """
         self._engine.restore(saved, None if arena is None else self._row("restore", arena))
+        self._update_ends()
         return self._begun()
 
     def clone(self) -> "VectorArena":
@@ -402,7 +404,7 @@ class VectorArena:
 
     def rulings(self, arena: int) -> tuple[Ruling, ...]:
         """R5.6: return one arena's rulings of the last step; empty if a new episode has begun in that arena."""
-        return self._engine.world(self._row("rulings", arena)).rulings
+        return self._engine.rulings(self._row("rulings", arena))
 
     def digest(self, arena: int) -> bytes:
         """A.8: return the digest of one arena's state, eight bytes."""

@@ -57,7 +57,10 @@ def _contest(config: ArenaConfig, world: World, target: str, rulings: Sequence[R
         )
         for ruling in rulings
     ]
-    claims.sort(key=lambda claim: (-claim.verdict, claim.mate, claim.distance_um or 0, claim.seat))
+    near = winner.distance_um
+    claims.sort(
+        key=lambda one: (-one.verdict, one.mate and one.distance_um != near, one.distance_um or 0, one.mate, one.seat)
+    )
     return Contest(world.step, world.time_ms - config.control_period_ms, target, clause, tuple(claims))
 
 

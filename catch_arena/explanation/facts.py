@@ -34,7 +34,9 @@ class Contest:
     `first_come`, R9.1 the capstone's service, which refuses no claim.
     """
     claims: tuple[Claim, ...]
-    """Claims of all hunters in the contest: the winner's, those of other teams by distance, those of its team-mates."""
+    """Claims of all hunters in the contest: the winner's, those of other teams by distance, those of its team-mates. A
+    team-mate that was as near as the winner, so that a lot decided, comes among the others.
+    """
 
     @property
     def between_teams(self) -> bool:

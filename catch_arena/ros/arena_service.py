@@ -269,7 +269,7 @@ class ArenaService:
         driven_to = [(self._seat(hunter), name) for hunter, name in active_targets.items()]
         for seat, name in (*driven_to, *reversed(calls)):  # reversed, so that a hunter's first request is written last
             seen = [self.config.target_name(number) for number in self._engine.numbers_seen(seat)[0] if number]
-            ranks[0, seat] = seen.index(name) + 1 if name in seen else 0
+            ranks[0, seat] = seen.index(name) + 1 if isinstance(name, str) and name in seen else 0
         return ranks
 
     def _request_table(self, by_name: Sequence[tuple[int, object]], before: World) -> RequestTable:

@@ -102,7 +102,7 @@ class PlayerBatch:
 
         Raises:
             ConfigError: for a number that no player of that side has; all keep their players.
-            AgentError: for a player that raises at its start; all arenas must be reset then.
+            AgentError: for a player that raises at its start. All arenas must then be reset and get players again.
         """
         for side, players in self.players.items():
             given, last = numbers[:, players.agents], len(players.pool) - 1
@@ -135,9 +135,10 @@ class PlayerBatch:
         """Play a step.
 
         Args:
-            commands: speed and turn rate of the learners, (B, N, 2) in [-1, 1]; those of the players are written here.
+            commands: speed and turn rate of the learners, (B, N, 2) in [-1, 1]. Those of the players are written here,
+                over legal ones, such as zeros.
             choices: choices of the learners, (B, H), for target and full control; those of the players are written
-                here. Zeros if omitted.
+                here, over legal ones. Zeros if omitted.
 
         Returns:
             rewards (B, N), terminations (B,), truncations (B,) and infos, as from `VectorArena.step`.

@@ -167,10 +167,7 @@ class Players:
         Agents that have only `act` begin an episode there.
         """
         seats = np.indices(numbers.shape)[1] if seats is None else seats
-        self._seated[arenas] = LEARNER
-        self._seated[arenas[:, None], seats] = numbers
-        if all(player.in_batches for player in self.pool):
-            return
+        self._seated[arenas] = LEARNER  # until all agents have begun, since one may raise
         begun = set(arenas.tolist())
         self._instances = {place: one for place, one in self._instances.items() if place[0] not in begun}
         for number, original in enumerate(self.pool):
@@ -179,6 +176,7 @@ class Players:
                 self._instances[place] = player = copy.deepcopy(original)
                 player.place = self._place(*place)
                 player.call("reset", int(rng.integers(_SEED_LIMIT)))
+        self._seated[arenas[:, None], seats] = numbers
 
     def controls(self, arenas: NDArray[np.int64], learners: Control) -> NDArray[np.int8]:
         """Return the controls of the seats of these arenas (n,), as `VectorArena.set_controls` takes them: (n, seats).

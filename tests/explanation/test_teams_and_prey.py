@@ -33,6 +33,19 @@ def test_the_words_name_the_team_mate_and_the_clause(mates):
     assert explain_step(mates, 1, seat).lines()[-1] in lines
 
 
+def test_a_team_mate_with_which_the_winner_drew_a_lot_comes_before_a_farther_rival(play):
+    """R5.5: the lot decided, and no margin to the rival."""
+    poses = ((5.0, 5.0, 0.0), (5.0, 5.0, 0.0), (5.2, 5.0, 0.0))
+    settings = {"hunters": 3, "hunter_poses": poses, "teams": ((0, 1), (2,)), "reach_m": 9.0, "initial_targets": 1}
+    matches = [play(**settings, max_cycles=1, chase=True, seed=seed) for seed in range(8)]
+    found = [contest for match in matches for contest in explain(match).contests if contest.claims[0].seat < 2]
+    assert len(found) > 1
+    for contest in found:
+        _, second, last = contest.claims
+        assert (contest.clause, second.mate, last.seat, contest.margin_um) == ("R5.5", True, 2, 0)
+        assert not contest.between_teams
+
+
 def test_the_words_name_all_hunters_that_a_catch_needed(play):
     """R5.10: the partners of the winner are named, and the reason for which a hunter without one was refused."""
     poses = ((5.0, 5.0, 0.0), (5.1, 5.0, 0.0), (5.2, 5.0, 0.0), (5.3, 5.0, 0.0))

@@ -2,6 +2,7 @@
 
 from random import Random
 
+import numpy as np
 import pytest
 from oracle.arbiter import judge
 from oracle.arithmetic import KILL_DOWN, KILL_REFUSED, draw, fraction, key
@@ -267,3 +268,10 @@ def test_r8_1_who_drops_out_is_refused_by_name():
     (ruling,) = service.step({"hunter_0": Twist(2.0, 0.0)}, [("hunter_0", NAMED("target_turtle_1"))])
     assert ruling.verdict is Verdict.HUNTER_INACTIVE
     assert service.pose("hunter_0")[:2] == (2.0, 2.0)
+
+
+def test_a_name_that_cannot_be_compared_is_malformed():
+    service = ArenaService(hunters=2)
+    service.reset(seed=1)
+    (ruling,) = service.step(requests=[("hunter_0", NAMED(np.array(["a", "b"])))])
+    assert ruling.verdict is Verdict.MALFORMED

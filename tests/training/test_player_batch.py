@@ -158,6 +158,8 @@ def test_after_a_player_that_raised_at_its_start_all_arenas_must_be_reset():
     with pytest.raises(EpisodeError, match="call reset"):
         batch.step(np.zeros((2, 2, 2), np.float32))
     batch.reset()
+    batch.step(np.zeros((2, 2, 2), np.float32))
+    assert batch.seated.tolist() == [[LEARNER, LEARNER]] * 2
     batch.seat(np.arange(2), np.zeros((2, 2), np.int64))
     batch.step(np.zeros((2, 2, 2), np.float32))
 

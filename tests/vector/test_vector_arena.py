@@ -330,12 +330,14 @@ def test_arenas_that_have_ended_wait_for_their_reset_without_auto_reset():
     hold = np.zeros((33, 5), dtype=int)
     ends = [arena.step(hold)[3].tolist() for _ in range(BUSY.max_steps)]
     last = arena.digest(7)
-    ends += [arena.step(hold)[3].tolist() for _ in range(2)]
+    truncations = arena.step(hold)[3]
+    ends += [truncations.tolist(), arena.step(hold)[3].tolist()]
 
     assert ends == [[False] * 33] * (BUSY.max_steps - 1) + [[True] * 33] * 3
     assert arena.digest(7) == last
 
     arena.reset(seed=[5, 6], arenas=[7, 32])
+    assert truncations.all()  # of the last step, for a learner that looks at them after the reset
     arena.reset(arenas=np.arange(33) == 8)
     env = parallel_env(BUSY)
     env.reset(seed=6)
@@ -506,7 +508,7 @@ def test_what_else_is_wrong_is_told_in_one_line():
     larger.reset(seed=1)
     for restore, saved, message in (
         (arena.restore, other.save(), "saved must come from an arena with an equal config"),
-        (arena.restore, None, r"saved must be a state that save\(\) returned"),
+        (arena.restore, None, r"saved must be a state that a batch's save\(\) returned"),
         (arena.restore, larger.save(), "a saved state must be that of 3 arenas here, got that of 40 arenas"),
         (arena.restore, arena.save(0), "a saved state must be that of 3 arenas here, got that of a single row"),
         (lambda saved: arena.restore(saved, 0), larger.save(), "must be that of a single row here, got that of 40"),
