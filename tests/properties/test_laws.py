@@ -331,7 +331,7 @@ def test_seats_are_labels_for_whole_matches(source: Random, actions: int, data: 
     other.reset([seed])
     chosen = Random(actions)
     for _ in range(STEPS):
-        assert np.array_equal(other._rows_of(0)[1][:, :15], one._rows_of(0)[1][order, :15])
+        assert np.array_equal(other.views.hunters[0, :, :15, 0], one.views.hunters[0, order, :15, 0])
         rows = [*order, *range(config.hunters, config.hunters + config.prey)]
         assert np.array_equal(other.observations[0], one.observations[0, rows])
         assert np.array_equal(other.masks[0], one.masks[0, order])
