@@ -128,6 +128,7 @@ def test_the_same_seed_learns_the_same(tmp_path):
     assert [row | {"seconds": 0} for row in rows_of(one)] == [row | {"seconds": 0} for row in rows_of(again)]
 
 
+@pytest.mark.nightly
 def test_runs_are_measured_against_each_other(tmp_path):
     """Each snapshot plays the last agents of the other run."""
     runs, out = [tmp_path / "one", tmp_path / "two"], tmp_path / "others"

@@ -144,7 +144,7 @@ def test_curves_of_several_seeds_are_one_table(tmp_path):
     ("head", "opponents"),
     [
         ("destination", "triage,nearest"),
-        ("velocity", "patrol"),
+        pytest.param("velocity", "patrol", marks=pytest.mark.nightly),
         pytest.param("rank", "contested", marks=pytest.mark.nightly),
     ],
 )
@@ -244,7 +244,7 @@ def test_a_run_goes_on_with_the_settings_that_it_began_with(tmp_path):
 
 
 @pytest.mark.torch
-@pytest.mark.parametrize("when", ["decisions, ", "playing a tournament"])
+@pytest.mark.parametrize("when", ["decisions, ", pytest.param("playing a tournament", marks=pytest.mark.nightly)])
 def test_ctrl_c_keeps_the_run_and_the_agent(tmp_path, when):
     """In the loop, and in the last tournament."""
     out = tmp_path / "run"
