@@ -18,6 +18,7 @@ T = TypeVar("T")
 Infos = Literal["full", "mask", "none"]
 """R7.2: content of an env's infos."""
 
+
 _USUAL: Final[dict[str, Any]] = {
     "verdict": NO_REQUEST,
     "target": -1,
@@ -26,8 +27,7 @@ _USUAL: Final[dict[str, Any]] = {
     "reward_parts": None,
     "TimeLimit.truncated": False,
 }
-"""Info of a hunter without a mask that requests nothing; a copy that has all keys takes less time than adding them."""
-_USUAL_WITH_MASK: Final = {**_USUAL, "action_mask": None}
+"""Info of a hunter that requests nothing; a copy takes less time than a new dict of these."""
 
 
 class Dictionaries:
@@ -39,7 +39,7 @@ class Dictionaries:
         # views of the engine's memory: `tick.play` writes the rewards by `rewards.reward`
         self._observations, self._masks, self._rewards = engine.observations[0], engine.masks[0], engine.rewards[0]
         self._parts, self._prey_parts = engine.parts[0], engine.prey_parts[0]
-        self._rulings, self._verdicts = engine.ruling_rows, engine.ruling_rows[:, 1]  # its column of verdicts
+        self._verdicts = engine.ruling_rows[:, 1]
         self.choices = np.zeros((1, config.hunters), dtype=np.int64)
         """Ranks, as `Engine.step` takes them: (1, H)."""
         self.commands = np.zeros((1, len(names), 2), dtype=np.float32)
@@ -123,39 +123,33 @@ class Dictionaries:
         """R7.2: return the infos that `CatchArenaEnv` lists; for `truncated` agents, `TimeLimit.truncated` is True."""
         if self._content == "none":
             return {agent: {} for agent in self._names}
-        infos: dict[str, dict[str, Any]] = {}
         masks = self._masks.copy()
         if self._content == "mask":
-            for agent, (row, control) in self.seats.items():
-                infos[agent] = {} if control == "velocity" else {"action_mask": masks[row]}
-            return infos
-        verdicts, parts = self._verdicts.tolist(), self._parts.copy()
-        rulings = self._rulings.astype(np.int64).tolist() if any(verdicts) else ()
+            return {
+                agent: {} if control == "velocity" else {"action_mask": masks[row]}
+                for agent, (row, control) in self.seats.items()
+            }
+        infos: dict[str, dict[str, Any]] = {}
+        engine, parts, verdicts = self._engine, self._parts.copy(), self._verdicts.tolist()
+        rulings = engine.ruling_rows.astype(np.int64).tolist() if any(verdicts) else ()
+        active, team_scores = engine.active.tolist(), engine.team_scores.tolist()
         for agent, seat, control in self._hunters:
-            if control == "velocity":
-                info = _USUAL.copy()
-            else:
-                info = _USUAL_WITH_MASK.copy()
-                info["action_mask"] = masks[seat]
+            infos[agent] = info = _USUAL.copy()
             info["reward_parts"] = parts[seat]
+            if control != "velocity":
+                info["action_mask"] = masks[seat]
             if verdicts[seat]:
                 number, info["verdict"], info["distance_um"], info["winner"] = rulings[seat]
                 info["target"] = number or -1
-            infos[agent] = info
-        if self._hunters_stay:
-            active = self._engine.active[0].tolist()
-            for agent, seat, _ in self._hunters:
-                infos[agent]["active"] = active[seat]
-        if self._team_by_seat:
-            scores = self._engine.team_scores[0].tolist()
-            for agent, seat, _ in self._hunters:
-                infos[agent]["team_score"] = int(scores[self._team_by_seat[seat]])
+            if self._hunters_stay:
+                info["active"] = active[0][seat]
+            if self._team_by_seat:
+                info["team_score"] = int(team_scores[0][self._team_by_seat[seat]])
         if self._prey:
-            active, caught_by = self._engine.active[0].tolist(), self._engine.caught_by.tolist()
-            parts = self._prey_parts.copy()
+            caught_by, parts = engine.caught_by.tolist(), self._prey_parts.copy()
             for index, agent in enumerate(self._prey):
                 infos[agent] = {
-                    "active": active[len(self._hunters) + index],
+                    "active": active[0][len(self._hunters) + index],
                     "caught_by": int(caught_by[index]),
                     "reward_parts": parts[index],
                     "TimeLimit.truncated": False,
