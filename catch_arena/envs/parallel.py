@@ -232,10 +232,8 @@ class CatchArenaEnv(ParallelEnv[str, Any, Any]):  # type: ignore[misc]  # Pettin
         if self._leaving_rows:
             active = engine.active[0].tolist()
             leaving = leaving.union(self.possible_agents[row] for row in self._leaving_rows if not active[row])
-        terminations = dict.fromkeys(agents, False)
-        truncations = terminations.copy()
-        if end:
-            (terminations if end == rows.TERMINATED else truncations).update(dict.fromkeys(agents, True))
+        terminations = dict.fromkeys(agents, end == rows.TERMINATED)
+        truncations = dict.fromkeys(agents, end == rows.TRUNCATED)
         for agent in leaving:
             if agent in terminations:
                 terminations[agent], truncations[agent] = True, False
