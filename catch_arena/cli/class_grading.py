@@ -12,7 +12,7 @@ from catch_arena.classroom.student_page import student_page
 from catch_arena.classroom.submissions import Submission, find_submissions
 from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.hand_ins import ClassOptions
-from catch_arena.cli.options import Trust, print_level, require_isolation, usable_cores
+from catch_arena.cli.options import Trust, print_level, require_isolation
 from catch_arena.cli.outputs import require_free
 from catch_arena.cli.terminal import echo, noting_kept_results, progress_bar
 from catch_arena.errors import ConfigError
@@ -91,7 +91,7 @@ def _agent_grading(exercise: GradingSpec, students: ClassOptions, trust: Trust, 
         raise ConfigError(
             f"{exercise.path}: a class needs seed or seed_file, so that all students play the same matches"
         )
-    jobs = min(students.jobs or usable_cores(), submissions)
+    jobs = min(students.number, submissions)
     with sandbox_for(quotas) as sandbox:
         rivals = do_here(enter_opponents, exercise, sandbox)
     print_level(quotas, ["a submission"])

@@ -16,7 +16,7 @@ from catch_arena.cli.options import (
     Agent,
     Arena,
     ConditionalOptions,
-    Jobs,
+    Processes,
     SettingOption,
     Trust,
     print_level,
@@ -66,7 +66,7 @@ def check_agent(
 
 
 @dataclass(frozen=True)
-class ClassOptions(ConditionalOptions):
+class ClassOptions(ConditionalOptions, Processes):
     """Options for a folder of submissions."""
 
     needs: ClassVar = "a folder of submissions, a file or sub-folder each"
@@ -86,7 +86,6 @@ class ClassOptions(ConditionalOptions):
             help="Deadline in local time, such as 2026-11-30T18:00: marks.csv has how late each submission is.",
         ),
     ] = None
-    jobs: Jobs = None
     ros: Annotated[
         bool,
         typer.Option(

@@ -55,12 +55,6 @@ SettingOption = Annotated[
     ),
 ]
 Resume = Annotated[bool, typer.Option("--resume", help="Continue an interrupted run in DIR, if there is one.")]
-Jobs = Annotated[
-    int | None,
-    typer.Option(
-        "--jobs", "-j", metavar="N", min=1, help="Number of processes that play.", show_default="number of cores"
-    ),
-]
 Seed = Annotated[
     str | None,
     typer.Option(
@@ -134,10 +128,26 @@ class Trust:
 
 
 @dataclass(frozen=True)
-class Cores:
-    """Options for the cores that play."""
+class Processes:
+    """Option for the processes that play on this machine."""
 
-    jobs: Jobs = None
+    jobs: Annotated[
+        int | None,
+        typer.Option(
+            "--jobs", "-j", metavar="N", min=1, help="Number of processes that play.", show_default="number of cores"
+        ),
+    ] = None
+
+    @property
+    def number(self) -> int:
+        """Number of these processes."""
+        return self.jobs or usable_cores()
+
+
+@dataclass(frozen=True)
+class Cores(Processes):
+    """Options for the cores that play, on this machine or on a cluster."""
+
     executor: Annotated[
         Literal["local", "ray"], typer.Option(help="Play on this machine (local) or with Ray (ray).")
     ] = "local"
@@ -151,11 +161,6 @@ class Cores:
             raise ConfigError(f"--address must come with --executor ray, got --executor {self.executor}")
         if self.address is not None and self.jobs is not None:
             raise ConfigError(f"--jobs must be left out with --address: all the cluster's cores play, got {self.jobs}")
-
-    @property
-    def number(self) -> int:
-        """Number of processes on this machine."""
-        return self.jobs or usable_cores()
 
     def of(self, worker: "Worker") -> "Executor":
         """Return the executor of these options."""

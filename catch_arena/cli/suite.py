@@ -10,11 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from catch_arena.cli.app import main
-from catch_arena.cli.options import Agents, Jobs, Resume, Trust, enter_agents, usable_cores
+from catch_arena.cli.options import Agents, Processes, Resume, Trust, enter_agents
 from catch_arena.cli.outputs import Force, Json, reserve_file
 from catch_arena.cli.terminal import echo, noting_kept_results, own_console, plain_table, progress_bar
 from catch_arena.cli.tournaments import require_own_folder
 from catch_arena.files import write_whole
+from catch_arena.text import counted
 from catch_arena.tournament.isolation.sandbox import sandbox_for
 
 if TYPE_CHECKING:
@@ -55,7 +56,7 @@ def suite(
         ),
     ] = None,
     resume: Resume = False,
-    jobs: Jobs = None,
+    processes: Processes,
     trust: Trust,
 ) -> None:
     """Measure agents in training and held-out scenarios.
@@ -72,7 +73,6 @@ def suite(
 
     chosen = suite_called(name)
     out = out or Path("out", (name or "suite") + "-quick" * quick)
-    workers = jobs or usable_cores()
     quotas = trust.quotas()
     reserve_file(json, ".json", force=force)
     entered = enter_agents(agents, quotas)
@@ -87,19 +87,19 @@ def suite(
             for scenario, fault in cannot_play(chosen, agent, sandbox):
                 echo(f"{agent.name} cannot play {scenario}, and forfeits there: {fault}", err=True)
     total = sum(one.plan.size for one in chain(*setups))
-    processes = f"{workers} processes" if workers > 1 else "one process"
     echo(f"{chosen.name} (digest {chosen.digest}): {len(chosen.scenarios)} scenarios, {blocks} blocks of each")
     if quick:
         echo(
             f"--quick: a first look, NOT the protocol, which has {chosen.blocks} blocks; "
             f"intervals (? below) need {FEWEST_BLOCKS} blocks"
         )
-    echo(f"{len(agents)} agent{'s' if len(agents) > 1 else ''}, {total} matches, with {processes}")
+    playing = f"{processes.number} processes" if processes.number > 1 else "one process"
+    echo(f"{counted(len(agents), 'agent')}, {total} matches, with {playing}")
 
     with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
         for agent, in_scenarios in zip(entered, setups, strict=True):
             with progress_bar(agent.name) as show:
-                play(in_scenarios, workers, show)
+                play(in_scenarios, processes.number, show)
     known = references(chosen)
     measured = [measure(chosen, in_scenarios) for in_scenarios in setups]
     for measures in measured:

@@ -10,18 +10,7 @@ import typer
 
 from catch_arena import interrupts
 from catch_arena.cli.app import EXIT_NO, main
-from catch_arena.cli.options import (
-    Agents,
-    Arena,
-    Cores,
-    Jobs,
-    Resume,
-    Seed,
-    Trust,
-    enter_agents,
-    require_enough,
-    usable_cores,
-)
+from catch_arena.cli.options import Agents, Arena, Cores, Processes, Resume, Seed, Trust, enter_agents, require_enough
 from catch_arena.cli.outputs import PAGE, Force, output_option, reserve_file
 from catch_arena.cli.terminal import echo, noting_kept_results, own_console, progress_bar
 from catch_arena.config import ArenaConfig
@@ -193,7 +182,7 @@ def compare(
     ] = 20.0,
     max_blocks: Annotated[int, typer.Option(help="Stop undecided after this number of blocks.")] = 2000,
     seed: Seed = None,
-    jobs: Jobs = None,
+    processes: Processes,
     trust: Trust,
 ) -> None:
     """Play A and B until a sequential test decides which is stronger.
@@ -225,7 +214,7 @@ def compare(
             test,
             max_blocks=max_blocks,
             seed=secret,
-            jobs=jobs or usable_cores(),
+            jobs=processes.number,
             quotas=quotas,
             progress=show_test,
         )
