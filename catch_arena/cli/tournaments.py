@@ -23,6 +23,12 @@ from catch_arena.tournament.statistics.sprt import Sprt, share_of_elo
 from catch_arena.tournament.store import STORE, Store
 
 Folder = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of a tournament, finished or running.")]
+Watch = Annotated[
+    bool,
+    typer.Option(
+        "--watch", help="Serve the report on 127.0.0.1, and update it while the tournament runs, until Ctrl-C."
+    ),
+]
 _DUEL = Arena("duel")
 _MOST_MB = 1000
 _MOST_TO_SEPARATE = 100_000
@@ -77,7 +83,7 @@ def tournament(
     resume: Resume = False,
     force: Force = False,
     record: Annotated[bool, typer.Option("--record", help="Also save a replay of each match, in DIR/replays.")] = False,
-    watch: Annotated[bool, typer.Option("--watch", help="Serve a live report on 127.0.0.1, until Ctrl-C.")] = False,
+    watch: Watch = False,
 ) -> None:
     """Play a tournament: agents meet in all rotations of the seats, and are ranked.
 
@@ -248,15 +254,9 @@ def report(
     match: Annotated[
         list[str] | None, typer.Option(metavar="ID", help="A recorded match to include in the page; may be repeated.")
     ] = None,
-    watch: Annotated[
-        bool,
-        typer.Option(
-            "--watch",
-            help="Serve the page on 127.0.0.1 instead, and update it while the tournament runs, until Ctrl-C.",
-        ),
-    ] = False,
+    watch: Watch = False,
 ) -> None:
-    """Write a report: one HTML file with the standings, charts, and replays to watch."""
+    """Write a report: one HTML file with the standings, charts, and replays to watch; --watch serves it instead."""
     if budget is not None and not 0 <= budget <= _MOST_MB:  # NaN is refused too
         raise ConfigError(f"--budget must be from 0 to {_MOST_MB} MB, got {budget:g}")
     if watch:
