@@ -1,33 +1,20 @@
 """`catch-arena suite`: measurement of an agent under a fixed protocol, so that papers can compare their numbers."""
 
-from collections.abc import Mapping
 from itertools import chain
 from json import dumps
-from math import isnan
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from catch_arena.cli.app import main
 from catch_arena.cli.options import Agents, Processes, Resume, Trust, enter_agents
 from catch_arena.cli.outputs import Force, Json, reserve_file
-from catch_arena.cli.terminal import echo, noting_kept_results, own_console, plain_table, progress_bar
+from catch_arena.cli.terminal import echo, noting_kept_results, progress_bar
 from catch_arena.cli.tournaments import require_own_folder
 from catch_arena.files import write_whole
 from catch_arena.text import counted
 from catch_arena.tournament.isolation.sandbox import sandbox_for
-
-if TYPE_CHECKING:
-    from catch_arena.suite.measures import AgentMeasures, Scores
-
-_KEY = """score: own catches / (own + the mean opponent's catches); 0.5 is level
-wins: matches won, ties shared; place: by rating, among itself and its opponents
-first: significantly better than each opponent; open: not decided yet"""
-
-_PARTS = {"training": False, "held out": True}
-"""Parts of a suite, each with whether its scenarios are held out."""
-_FIRST = {True: "yes", None: "open", False: "no"}
 
 
 @main.command()
@@ -64,7 +51,7 @@ def suite(
     Opponents, matches, seeds and statistics are fixed, so that papers can compare their numbers
     (`catch-arena docs suite`).
     """
-    from catch_arena.cli.tables import with_interval
+    from catch_arena.cli.tables import PARTS, print_measures, with_interval
     from catch_arena.suite.aggregates import FEWEST_RUNS
     from catch_arena.suite.contents import QUICK_BLOCKS, suite_called
     from catch_arena.suite.measures import facts_of, measure, over_training_runs, references
@@ -103,10 +90,10 @@ def suite(
     known = references(chosen)
     measured = [measure(chosen, in_scenarios) for in_scenarios in setups]
     for measures in measured:
-        _show(measures, known)
+        print_measures(measures, known)
     method = {}
     if runs:
-        method = {part: over_training_runs(measured, held_out=held_out) for part, held_out in _PARTS.items()}
+        method = {part: over_training_runs(measured, held_out=held_out) for part, held_out in PARTS.items()}
         echo(f"training method, over {len(measured)} runs:")
         for part, estimate in method.items():
             echo(f"interquartile mean, {part}: {with_interval(estimate, '.3f')}")
@@ -119,40 +106,3 @@ def suite(
         write_whole(json, f"{dumps(figures, indent=1)}\n".encode())
         echo(f"figures: {json}")
     echo(f"matches: {out}")
-
-
-def _show(measures: "AgentMeasures", known: "Mapping[str, Scores]") -> None:
-    """Print the tables of an agent."""
-    from catch_arena.cli.tables import interval, with_interval
-    from catch_arena.tournament.statistics.intervals import FEWEST_BLOCKS
-
-    for held_out, part in ((False, "training scenarios"), (True, "held-out scenarios")):
-        shown = plain_table(
-            *("scenario", "score", "95 %", "wins", "95 %", "place", "first", "forf."),
-            title=f"{measures.agent.name}, {part}",
-            padding=(0, 1, 0, 0),
-        )
-        for scenario in measures.scenarios:
-            if scenario.held_out == held_out:
-                shown.add_row(
-                    scenario.name,
-                    f"{scenario.score.mean:.2f}",
-                    interval(scenario.score, ".2f"),
-                    f"{100 * scenario.win_share.mean:.0f} %",
-                    interval(scenario.win_share, ".0f", 100),
-                    f"{scenario.place} of {scenario.of}",
-                    "?" if scenario.first is None and measures.blocks < FEWEST_BLOCKS else _FIRST[scenario.first],
-                    str(sum(scenario.forfeits.values())),
-                )
-        own_console().print(shown)
-    echo(_KEY)
-    echo(f"interquartile mean, training: {with_interval(measures.training, '.3f')}")
-    echo(f"interquartile mean, held out: {with_interval(measures.held_out, '.3f')}")
-    echo(f"gap, training minus held out: {with_interval(measures.gap, '.3f')}")
-    echo("time: it made no move" if isnan(measures.move_ms) else f"time: {measures.move_ms:.2f} ms per move")
-    for name, scores in known.items():
-        figures = ", ".join(
-            f"{part} {with_interval(measures.improvement(scores, held_out=held_out), '.2f')}"
-            for part, held_out in _PARTS.items()
-        )
-        echo(f"probability of improvement over {name}: {figures}")

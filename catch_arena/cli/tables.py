@@ -1,4 +1,4 @@
-"""Standings, figures with intervals and a plan's cost, for a terminal of usually 80 columns, or a file."""
+"""Standings, a suite's figures, figures with intervals and a plan's cost, for a terminal of usually 80 columns."""
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -10,6 +10,7 @@ from rich.table import Table
 
 from catch_arena.cli.terminal import echo, own_console, plain_table
 from catch_arena.policy import Side
+from catch_arena.suite.measures import AgentMeasures, Scores
 from catch_arena.tournament.entrants import Entrant
 from catch_arena.tournament.execution.cost import Cost, match_counts
 from catch_arena.tournament.plans.schedule import Plan, UntilSeparated
@@ -20,6 +21,12 @@ from catch_arena.tournament.statistics.standings import Standing
 _KEY: Final = """grp: members of a group do not differ significantly
 rating: points, 0 is the mean; {score}
 wins: matches won, ties shared"""
+_SUITE_KEY: Final = """score: own catches / (own + the mean opponent's catches); 0.5 is level
+wins: matches won, ties shared; place: by rating, among itself and its opponents
+first: significantly better than each opponent; open: not decided yet"""
+_FIRST: Final = {True: "yes", None: "open", False: "no"}
+PARTS: Final = {"training": False, "held out": True}
+"""Parts of a suite, each with whether its scenarios are held out."""
 
 
 def print_standings(tables: Mapping[Side, Sequence[Standing]], entrants: Iterable[Entrant]) -> None:
@@ -62,6 +69,40 @@ def standings_table(table: Sequence[Standing], side: Side = "hunter", *, titled:
     for line in table:
         shown.add_row(*(cell(line) for cell in columns.values()), style="bold" if line.place == 1 else None)
     return shown
+
+
+def print_measures(measures: AgentMeasures, known: Mapping[str, Scores]) -> None:
+    """Print the tables and figures of an agent in a suite."""
+    for part, held_out in PARTS.items():
+        shown = plain_table(
+            *("scenario", "score", "95 %", "wins", "95 %", "place", "first", "forf."),
+            title=f"{measures.agent.name}, {part.replace(' ', '-')} scenarios",
+            padding=(0, 1, 0, 0),
+        )
+        for scenario in measures.scenarios:
+            if scenario.held_out == held_out:
+                shown.add_row(
+                    scenario.name,
+                    f"{scenario.score.mean:.2f}",
+                    interval(scenario.score, ".2f"),
+                    f"{100 * scenario.win_share.mean:.0f} %",
+                    interval(scenario.win_share, ".0f", 100),
+                    f"{scenario.place} of {scenario.of}",
+                    "?" if scenario.first is None and measures.blocks < FEWEST_BLOCKS else _FIRST[scenario.first],
+                    str(sum(scenario.forfeits.values())),
+                )
+        own_console().print(shown)
+    echo(_SUITE_KEY)
+    echo(f"interquartile mean, training: {with_interval(measures.training, '.3f')}")
+    echo(f"interquartile mean, held out: {with_interval(measures.held_out, '.3f')}")
+    echo(f"gap, training minus held out: {with_interval(measures.gap, '.3f')}")
+    echo("time: it made no move" if math.isnan(measures.move_ms) else f"time: {measures.move_ms:.2f} ms per move")
+    for name, scores in known.items():
+        figures = ", ".join(
+            f"{part} {with_interval(measures.improvement(scores, held_out=held_out), '.2f')}"
+            for part, held_out in PARTS.items()
+        )
+        echo(f"probability of improvement over {name}: {figures}")
 
 
 def plan_table(plan: Plan, entrants: int, cost: Cost | None, jobs: int) -> Table:
