@@ -27,13 +27,18 @@ _RIVALS = ("nearest", "contested_by_time", "patrol")
 _SIZE = (1280, 720)
 
 
+@dataclass(frozen=True)
+class OneMatch(Trust, Arena):
+    """Options for a single match."""
+
+    seed: ArenaSeed = None
+
+
 @main.command()
 def match(
     agents: Agents,
     *,
-    arena: Arena,
-    seed: ArenaSeed = None,
-    trust: Trust,
+    options: OneMatch,
     output: Annotated[
         Path | None, output_option("Replay file to write.", "match.replay, or match-2.replay ...")
     ] = None,
@@ -46,17 +51,17 @@ def match(
     from catch_arena.tournament.execution.block_queue import do_here
     from catch_arena.tournament.match_loop import play_entrants
 
-    config, quotas = arena.config(), trust.quotas()
+    config, quotas = options.config(), options.quotas()
     parties = Parties.of(config)
     reserve_file(output, REPLAY, force=force)
     target = output or reserve_free_file("match.replay", force=force)
     entrants = enter_agents(agents, quotas)
-    require_enough(len(entrants), parties, arena.scenario)
+    require_enough(len(entrants), parties, options.scenario)
     if len(entrants) > len(parties):
         raise ConfigError(
-            f"number of agents must be {len(parties)}, to {parties.task} of {arena.scenario}, got {len(entrants)}"
+            f"number of agents must be {len(parties)}, to {parties.task} of {options.scenario}, got {len(entrants)}"
         )
-    drawn = arena_seed(seed)
+    drawn = arena_seed(options.seed)
     steps = count()
     with sandbox_for(quotas) as sandbox, progress_bar("playing") as show:
         result = do_here(
@@ -65,7 +70,7 @@ def match(
             drawn,
             entrants,
             sandbox,
-            title=arena.scenario,
+            title=options.scenario,
             record=target,
             watch=lambda _: show(min(next(steps), config.max_steps), config.max_steps),
         )
@@ -73,13 +78,6 @@ def match(
     print_result(parties, result, names)
     echo(f"seed: {drawn}")
     echo(f"replay: {target}")
-
-
-@dataclass(frozen=True)
-class Window(Trust, Arena):
-    """Options for a match in a window."""
-
-    seed: ArenaSeed = None
 
 
 @main.command()
@@ -94,7 +92,7 @@ def play(
     ] = None,
     *,
     seat: Annotated[str, typer.Option(help="Your seat: the number of a hunter, from 0, or prey_0, prey_1, ...")] = "0",
-    window: Window,
+    options: OneMatch,
     record: Annotated[
         Path | None,
         typer.Option(help="File for the replay.", show_default="with Ctrl-S: match.replay, match-2.replay ..."),
@@ -108,27 +106,27 @@ def play(
     If there are teams, each agent plays all hunters of one team; the first plays your team-mates. If there is prey,
     agents play it too: give them after the hunters' agents.
     """
-    _show(agents or list(_RIVALS), window, seat, record, force=force)
+    _show(agents or list(_RIVALS), options, seat, record, force=force)
 
 
 @main.command()
-def watch(agents: Agents, *, window: Window) -> None:
+def watch(agents: Agents, *, options: OneMatch) -> None:
     """Watch agents play, live; if there are fewer agents than seats, an agent plays several seats."""
-    _show(agents, window, None, None, force=False)
+    _show(agents, options, None, None, force=False)
 
 
-def _show(agents: list[str], window: Window, seat: str | None, record: Path | None, *, force: bool) -> None:
+def _show(agents: list[str], options: OneMatch, seat: str | None, record: Path | None, *, force: bool) -> None:
     """Play a match in a window: a person takes `seat`, if any, and the agents take the other seats in turn."""
     from catch_arena.live.session import show_match
 
-    config, quotas = window.config(), window.quotas()
-    person = None if seat is None else _seat(seat, config, window.scenario)
+    config, quotas = options.config(), options.quotas()
+    person = None if seat is None else _seat(seat, config, options.scenario)
     parties = Parties.of(config)
     free = [party for party, seats in enumerate(parties.seats) if seats != (person,)]
     if len(agents) > len(free):
         seats = "free seat" if config.teams is None else "team and prey" if config.prey else "team"
         raise ConfigError(
-            f"number of agents must be at most {len(free)}, one for each {seats} of {window.scenario}, "
+            f"number of agents must be at most {len(free)}, one for each {seats} of {options.scenario}, "
             f"got {len(agents)}"
         )
     entered = enter_agents([agents[index % len(agents)] for index in range(len(free))], quotas)
@@ -142,8 +140,8 @@ def _show(agents: list[str], window: Window, seat: str | None, record: Path | No
         replay.save(target)
         return str(target)
 
-    seed = arena_seed(window.seed)
-    shown = show_match(config, seed, entrants, person, quotas, title=window.scenario, size=_SIZE, save=save)
+    seed = arena_seed(options.seed)
+    shown = show_match(config, seed, entrants, person, quotas, title=options.scenario, size=_SIZE, save=save)
     print_result(parties, shown.result, shown.names)
     if record is not None:
         echo(f"replay: {save(shown.replay)}")
