@@ -25,7 +25,7 @@ from typing import Final
 
 from bench.machine import machine
 
-from catch_arena.cli.options import usable_cores
+from catch_arena.cli.options import Processes
 from catch_arena.cli.tables import with_interval
 from catch_arena.cli.terminal import progress_bar
 from catch_arena.errors import CatchArenaError, ConfigError, OtherTournamentError
@@ -111,7 +111,7 @@ def result_of(agent: Entrant, most: int) -> AgentMeasures:
             print(f"{agent.name} is played again in {one.folder.name}: {error}", file=sys.stderr)
             shutil.rmtree(one.folder)
     with progress_bar(agent.name) as show:
-        play(setups, usable_cores(), show)
+        play(setups, Processes().number, show)
     return measure(SUITE, setups)
 
 

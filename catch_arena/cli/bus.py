@@ -3,11 +3,11 @@
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Annotated, ClassVar, Final
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
-from catch_arena.cli.options import ConditionalOptions
+from catch_arena.cli.options import refuse
 from catch_arena.cli.terminal import echo
 from catch_arena.ros.middleware.bus import Bus as JoinedBus
 from catch_arena.ros.middleware.graph_names import checked_name, checked_service
@@ -79,12 +79,15 @@ class Bus(Packages):
 
 
 @dataclass(frozen=True)
-class NodeUnderTestOptions(ConditionalOptions):
+class NodeUnderTestOptions:
     """Options for the bus of a node that serves ros:/catch_turtle, in place of an arbiter or an agent."""
 
-    needs: ClassVar = "the service of a node, such as ros:/catch_turtle"
     interfaces: Interface = INTERFACES
     bus: BusOption = None
+
+    def refuse(self) -> None:
+        """Check that no option was given, because there is no node."""
+        refuse(self, "the service of a node, such as ros:/catch_turtle")
 
     @contextmanager
     def node(self, word: str) -> "Iterator[NodeUnderTest]":

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, ClassVar
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -15,11 +15,11 @@ from catch_arena.cli.bus import SERVICE, NodeUnderTestOptions
 from catch_arena.cli.options import (
     Agent,
     Arena,
-    ConditionalOptions,
     Processes,
     SettingOption,
     Trust,
     print_level,
+    refuse,
     scenario_option,
 )
 from catch_arena.cli.outputs import Force, Json, Junit, reserve_file
@@ -66,10 +66,9 @@ def check_agent(
 
 
 @dataclass(frozen=True)
-class ClassOptions(ConditionalOptions, Processes):
+class ClassOptions(Processes):
     """Options for a folder of submissions."""
 
-    needs: ClassVar = "a folder of submissions, a file or sub-folder each"
     out: Annotated[
         Path | None,
         typer.Option(
@@ -136,7 +135,7 @@ def grade(
 
         passed = grade_folder(exercise, Path(agent), students, trust, service, force=force)
     else:
-        students.refuse()
+        refuse(students, "a folder of submissions, a file or sub-folder each")
         name, digest, grades = (
             _grade_service(exercise, agent, service, seeds)
             if agent.startswith(SERVICE)

@@ -5,7 +5,7 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Final, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Final, Literal
 
 import typer
 
@@ -140,8 +140,9 @@ class Processes:
 
     @property
     def number(self) -> int:
-        """Number of these processes."""
-        return self.jobs or usable_cores()
+        """Number of these processes: by default one for each core that this process may use."""
+        cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+        return self.jobs or cores
 
 
 @dataclass(frozen=True)
@@ -172,23 +173,11 @@ class Cores(Processes):
         return local_executor(worker, self.number)
 
 
-def usable_cores() -> int:
-    """Return the number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-@dataclass(frozen=True)
-class ConditionalOptions:
-    """Options of a command that need a certain argument."""
-
-    needs: ClassVar[str]
-    """Words for this argument."""
-
-    def refuse(self) -> None:
-        """Check that no option was given, because the argument is another one."""
-        for field in fields(self):
-            if getattr(self, field.name) != field.default:
-                raise ConfigError(f"--{field.name} must come with {self.needs}")
+def refuse(options: Any, needs: str) -> None:
+    """Check that none of these options, a dataclass, was given, because they need another argument of the command."""
+    for field in fields(options):
+        if getattr(options, field.name) != field.default:
+            raise ConfigError(f"--{field.name} must come with {needs}")
 
 
 def quotas_of(limits: list[str] | None) -> Quotas:
