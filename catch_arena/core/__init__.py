@@ -35,8 +35,8 @@ Parameters that have the same meaning in every function; docstrings do not repea
 - x, y: a position [m]; theta: a heading [rad]; sine, cosine: those of a heading. side: side of the arena [m]. number: a
   spawn number, from 1. seed: the arena's seed. step: number of steps played before this one. time_ms: time since the
   reset.
-- requested and active_targets: see `controllers.look_up_choices`. reference: the progress reference of a seat, or that
-  of a prey, see `memory.Sections`. rewards and parts: see `rewards`. keys: sorting keys, rows of LANES. tied: one row
-  of flags, see `ranking.any_tied`. ranks: number of bodies that are seen.
+- requested and active_targets: see `controllers.look_up_choices`. reference: the references of one hunter's or prey's
+  reward, see `memory.Sections`. rewards and parts: see `rewards`. keys: sorting keys, rows of LANES. tied: one row of
+  flags, see `ranking.any_tied`. ranks: number of bodies that are seen.
 - place: place at which observations are written, see `transfers.Place`. tiles: see features.py.
 """

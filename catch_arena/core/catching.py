@@ -20,7 +20,7 @@ from catch_arena.core.jit import Rows, phase
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey import catch_prey
 from catch_arena.core.random import kill_refused, kill_service_down, seed_of
-from catch_arena.core.rewards import renew_progress_reference
+from catch_arena.core.rewards import renew_references
 from catch_arena.core.spawner import remove_target
 from catch_arena.core.state import Settings, limits_of, seat_of
 from catch_arena.core.vectors import LANES
@@ -120,12 +120,8 @@ def commit(chunk: Rows, s: Settings, lane: int, targets: Rows, requests: Request
                 catch_prey(chunk, s, lane, catcher, slot)
             remove_target(chunk, s, lane, targets, slot)
             removed += 1
-    if removed > 0 and s.needs_progress:
-        for seat in range(s.hunters):
-            reference = sections.progress_references[seat]
-            renew_progress_reference(
-                chunk, seat_of(chunk, seat), s, lane, targets, limits_of(sections.limits, seat), reference
-            )
+    if removed > 0:
+        renew_references(chunk, s, lane, targets, sections)
 
 
 @phase

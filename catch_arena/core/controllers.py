@@ -10,7 +10,6 @@ from catch_arena.core.arbiter import measure_um, to_micrometres, within_reach
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.math import atan2, below_pi, clamp
 from catch_arena.core.memory import Sections
-from catch_arena.core.rewards import set_progress_reference
 from catch_arena.core.state import (
     ABSENT,
     Order,
@@ -261,5 +260,3 @@ def apply_actions(
             steer_seat(
                 me, s, width, lanes, seat, order, targets, control, choices, commands, own, requested, active_targets
             )
-        if s.needs_progress:
-            set_progress_reference(me, s, lanes, order, targets, sections.progress_references[seat])

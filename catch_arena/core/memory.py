@@ -19,7 +19,7 @@ from numba.core import cgutils
 from numba.extending import lower_getattr_generic, models, register_model
 from numpy.typing import NDArray
 
-from catch_arena.core import rows
+from catch_arena.core import rows, state
 from catch_arena.core.addresses import ArrayAt, array_at, product
 from catch_arena.core.arbiter import REQUEST_COLUMNS
 from catch_arena.core.extending import INT64, compiled_as
@@ -87,16 +87,14 @@ class Sections(NamedTuple):
     """Request of each seat in this step: a slot, NO_TARGET or MALFORMED_REQUEST: (H, LANES)."""
     rival_orders: Annotated[Int8s, "threads", "hunters", "rival_ranks"]
     """R7.1: rivals of each seat, nearest first, a `state.Order` each: (H, ranks * LANES)."""
-    progress_references: Annotated[Float64s, "threads", "hunters", 3 * LANES]
-    """R6.2's progress, by seat, three rows: position x and y [m] of the target that was nearest after the commit, and
-    its distance then [m], or NOT_MEASURED.
-    """
+    references: Annotated[Float64s, "threads", "hunters", state.REFERENCE_ROWS * LANES]
+    """R6.2: references of the hunters' rewards, by seat: see `state.NEAREST_X` and the constants after it."""
     team_rows: Annotated[Float64s, "threads", "team_rows"]
     """R11.2: two groups of rows, one row for each hunter; empty without teams. The first has the catches of each team,
     under the seat that stands for it; the second has the earnings of each seat before they are shared.
     """
-    prey_references: Annotated[Float64s, "threads", "prey", 4 * LANES]
-    """R12.5's gain, by index, four rows: see `prey.IN_PLAY` and the constants after it."""
+    prey_references: Annotated[Float64s, "threads", "prey", state.PREY_REFERENCE_ROWS * LANES]
+    """R12.5: references of prey's rewards, by index: see `state.IN_PLAY` and the constants after it."""
     gathered_prey: Annotated[Float64s, "threads", "prey", rows.WITHDRAWN + LANES]
     """R12.4: body of each prey, by index, with the rows of a seat up to WITHDRAWN, which is 1 while it is out."""
     snapshot: Annotated[Float64s, "threads", "chunk"]

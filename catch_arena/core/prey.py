@@ -4,12 +4,10 @@ The functions work lane by lane, since each prey plays a target in any slot. It 
 (`physics.move`).
 """
 
-from typing import Final
-
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core import rows
+from catch_arena.core import rows, state
 from catch_arena.core.jit import Rows, entry, outlined, rule
 from catch_arena.core.math import clamp
 from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
@@ -18,12 +16,6 @@ from catch_arena.core.spawner import spawn_next
 from catch_arena.core.state import ALL_OPTIONS, Settings, prey_of, seat_of, targets_of
 from catch_arena.core.targets import nearest_hunter
 from catch_arena.core.vectors import LANES, sqrt
-
-# rows of a prey's reference, kept from phase 2 to its reward
-IN_PLAY: Final = 0 * LANES  # flag: it was not out on S_t; 0 or 1
-HUNTER_DISTANCE: Final = 1 * LANES  # distance to the nearest hunter on S_t [m], from 0, or NOT_MEASURED
-HUNTER_X: Final = 2 * LANES  # that hunter's position [m], 0 to the arena's side
-HUNTER_Y: Final = 3 * LANES  # as HUNTER_X
 
 
 @outlined
@@ -47,8 +39,8 @@ def command_prey(
         for lane in range(lanes):
             slot = int(me[rows.PREY_SLOT + lane])
             me[rows.CAUGHT_BY + lane] = rows.NO_SEAT
-            reference[IN_PLAY + lane] = 0.0 if slot == rows.NO_TARGET else 1.0
-            reference[HUNTER_DISTANCE + lane] = rows.NOT_MEASURED
+            reference[state.IN_PLAY + lane] = 0.0 if slot == rows.NO_TARGET else 1.0
+            reference[state.HUNTER_DISTANCE + lane] = rows.NOT_MEASURED
             if slot == rows.NO_TARGET:
                 continue
             at = slot * s.slot_size + lane
@@ -63,13 +55,13 @@ def command_prey(
             driven = me[rows.PREY_WITHDRAWN + lane] == 0.0
             targets[rows.BODY + rows.SPEED + at] = speed if driven else 0.0
             targets[rows.BODY + rows.TURN_RATE + at] = turn_rate if driven else 0.0
-            if s.needs_gain:
+            if s.gained_weight != 0.0 or len(sections.prey_parts) > 0:
                 seat = nearest_hunter(chunk, s, lane, targets, at)
                 if seat >= 0:
                     x, y = seat_of(chunk, seat)[rows.X + lane], seat_of(chunk, seat)[rows.Y + lane]
-                    reference[HUNTER_X + lane] = x
-                    reference[HUNTER_Y + lane] = y
-                    reference[HUNTER_DISTANCE + lane] = distance(targets, at, x, y)
+                    reference[state.HUNTER_X + lane] = x
+                    reference[state.HUNTER_Y + lane] = y
+                    reference[state.HUNTER_DISTANCE + lane] = distance(targets, at, x, y)
 
 
 @rule
@@ -113,13 +105,13 @@ def prey_parts(me: Rows, s: Settings, lane: int, targets: Rows, reference: Rows)
     """R12.5: return the reward parts of one prey that is not withdrawn, in the order of `state.PREY_PART_NAMES`."""
     if me[rows.CAUGHT_BY + lane] >= 0.0:
         return 1.0, 0.0, 0.0
-    if reference[IN_PLAY + lane] == 0.0:
+    if reference[state.IN_PLAY + lane] == 0.0:
         return 0.0, 0.0, 0.0
     gained = 0.0
-    if reference[HUNTER_DISTANCE + lane] >= 0.0:
+    if reference[state.HUNTER_DISTANCE + lane] >= 0.0:
         at = int(me[rows.PREY_SLOT + lane]) * s.slot_size + lane
-        x, y = reference[HUNTER_X + lane], reference[HUNTER_Y + lane]
-        gained = distance(targets, at, x, y) - reference[HUNTER_DISTANCE + lane]
+        x, y = reference[state.HUNTER_X + lane], reference[state.HUNTER_Y + lane]
+        gained = distance(targets, at, x, y) - reference[state.HUNTER_DISTANCE + lane]
     return 0.0, s.period_s, gained
 
 

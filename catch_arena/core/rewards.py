@@ -6,11 +6,11 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from catch_arena.core import rows
-from catch_arena.core.jit import Rows, outlined, phase
+from catch_arena.core import rows, state
+from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.memory import Sections
-from catch_arena.core.ranking import FAR, key_of
-from catch_arena.core.state import ABSENT, PART_NAMES, Order, SeatLimits, Settings, item_at_rank, seat_of
+from catch_arena.core.ranking import FAR, item_of, key_of
+from catch_arena.core.state import ABSENT, PART_NAMES, Orders, Settings, item_at_rank, limits_of, seat_of
 from catch_arena.core.vectors import LANES, Width, group, played_lanes, select, sqrt
 from catch_arena.core.visibility import is_seen
 from catch_arena.verdicts import Verdict
@@ -29,37 +29,49 @@ Parts = NDArray[np.float64]
 """R6.2: parts of the hunters' rewards, (lanes, H, parts), in the order of `state.PART_NAMES`; or empty."""
 
 
+@rule
+def measures_progress(s: Settings, sections: Sections) -> bool:
+    """R6.2: return whether progress has a weight, or the parts are kept."""
+    return s.progress_weight != 0.0 or len(sections.parts) > 0
+
+
 @phase
-def set_progress_reference(me: Rows, s: Settings, lanes: int, order: Order, targets: Rows, reference: Rows) -> None:
-    """R6.2's progress: note the nearest target that the hunter sees on S_t, and its distance."""
-    for lane in range(lanes):
-        slot = item_at_rank(order, 0, lane)
-        there = slot != ABSENT
-        at = select(there, slot, 0) * s.slot_size + lane
-        dx = targets[rows.TARGET_X + at] - me[rows.X + lane]
-        dy = targets[rows.TARGET_Y + at] - me[rows.Y + lane]
-        reference[lane] = targets[rows.TARGET_X + at]
-        reference[LANES + lane] = targets[rows.TARGET_Y + at]
-        reference[2 * LANES + lane] = select(there, sqrt(dx * dx + dy * dy), float(rows.NOT_MEASURED))
+def note_references(chunk: Rows, s: Settings, lanes: int, orders: Orders, targets: Rows, sections: Sections) -> None:
+    """R6.2: note what parts of the reward compare with the next state, on S_t."""
+    if measures_progress(s, sections):
+        for seat in range(s.hunters):
+            for lane in range(lanes):
+                note_target(chunk, s, lane, seat, targets, item_at_rank(orders[seat], 0, lane), sections)
 
 
 @outlined
-def renew_progress_reference(
-    chunk: Rows, me: Rows, s: Settings, lane: int, targets: Rows, limits: SeatLimits, reference: Rows
-) -> None:
-    """Note the nearest target again in one lane that targets have just left, among those alive after the commit."""
-    reference[2 * LANES + lane] = rows.NOT_MEASURED
-    nearest = FAR
-    for slot in range(int(chunk[rows.ALIVE + lane])):
-        at = slot * s.slot_size + lane
-        dx = targets[rows.TARGET_X + at] - me[rows.X + lane]
-        dy = targets[rows.TARGET_Y + at] - me[rows.Y + lane]
-        key = key_of(dx, dy, slot)
-        if key < nearest and is_seen(dx, dy, me[rows.SINE + lane], me[rows.COSINE + lane], limits.reach_um, s):
-            nearest = key
-            reference[lane] = targets[rows.TARGET_X + at]
-            reference[LANES + lane] = targets[rows.TARGET_Y + at]
-            reference[2 * LANES + lane] = sqrt(dx * dx + dy * dy)
+def renew_references(chunk: Rows, s: Settings, lane: int, targets: Rows, sections: Sections) -> None:
+    """R6.2: note again what parts compare, in one lane that targets have just left: the others count."""
+    if measures_progress(s, sections):
+        for seat in range(s.hunters):
+            me, reach_um = seat_of(chunk, seat), limits_of(sections.limits, seat).reach_um
+            nearest = FAR
+            for slot in range(int(chunk[rows.ALIVE + lane])):
+                at = slot * s.slot_size + lane
+                dx = targets[rows.TARGET_X + at] - me[rows.X + lane]
+                dy = targets[rows.TARGET_Y + at] - me[rows.Y + lane]
+                key = key_of(dx, dy, slot)
+                if key < nearest and is_seen(dx, dy, me[rows.SINE + lane], me[rows.COSINE + lane], reach_um, s):
+                    nearest = key
+            note_target(chunk, s, lane, seat, targets, item_of(nearest), sections)
+
+
+@phase
+def note_target(chunk: Rows, s: Settings, lane: int, seat: int, targets: Rows, slot: int, sections: Sections) -> None:
+    """R6.2's progress: note the nearest target that a hunter sees, and its distance; the slot is ABSENT for none."""
+    me, reference = seat_of(chunk, seat), sections.references[seat]
+    there = slot != ABSENT
+    at = select(there, slot, 0) * s.slot_size + lane
+    x, y = targets[rows.TARGET_X + at], targets[rows.TARGET_Y + at]
+    dx, dy = x - me[rows.X + lane], y - me[rows.Y + lane]
+    reference[state.NEAREST_X + lane] = x
+    reference[state.NEAREST_Y + lane] = y
+    reference[state.NEAREST_DISTANCE + lane] = select(there, sqrt(dx * dx + dy * dy), float(rows.NOT_MEASURED))
 
 
 @phase
@@ -117,7 +129,7 @@ def reward(
     count_catches(chunk, s, width, sections, catches)
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
-        reference = sections.progress_references[seat]
+        reference = sections.references[seat]
         for first in range(0, played_lanes(width), len(width)):
             lane = group(first, width)
             counts = select(me[rows.WITHDRAWN + lane] == 0.0, 1.0, 0.0)
@@ -131,11 +143,11 @@ def reward(
             refused = (verdict > 0.0) & (verdict != _GRANTED) & (verdict != _LOST_CONTEST)
             rejected = select(refused, counts, 0.0)
             progress = 0.0
-            if s.needs_progress:
-                dx = reference[lane] - me[rows.X + lane]
-                dy = reference[LANES + lane] - me[rows.Y + lane]
-                gained = reference[2 * LANES + lane] - sqrt(dx * dx + dy * dy)
-                progress = select((reference[2 * LANES + lane] >= 0.0) & (counts > 0.0), gained, 0.0)
+            if measures_progress(s, sections):
+                dx = reference[state.NEAREST_X + lane] - me[rows.X + lane]
+                dy = reference[state.NEAREST_Y + lane] - me[rows.Y + lane]
+                before = reference[state.NEAREST_DISTANCE + lane]
+                progress = select((before >= 0.0) & (counts > 0.0), before - sqrt(dx * dx + dy * dy), 0.0)
             elapsed = counts * s.period_s
             total = (
                 s.catch_weight * granted

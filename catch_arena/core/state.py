@@ -20,6 +20,19 @@ PART_NAMES: Final = ("catch", "rival_catch", "lost_contest", "rejected_request",
 PREY_PART_NAMES: Final = ("caught", "survived", "gained")
 """R12.5's parts of prey's reward, in the order in which they are written."""
 
+# rows of a hunter's references, which its reward compares with the next state (R6.2)
+NEAREST_X: Final = 0 * LANES  # position of the nearest target after the commit [m], 0 to the arena's side
+NEAREST_Y: Final = 1 * LANES  # as NEAREST_X
+NEAREST_DISTANCE: Final = 2 * LANES  # distance to it on S_t [m], from 0, or NOT_MEASURED
+REFERENCE_ROWS: Final = 3
+
+# rows of a prey's references (R12.5)
+IN_PLAY: Final = 0 * LANES  # flag: it was not out on S_t; 0 or 1
+HUNTER_DISTANCE: Final = 1 * LANES  # distance to the nearest hunter on S_t [m], from 0, or NOT_MEASURED
+HUNTER_X: Final = 2 * LANES  # that hunter's position [m], 0 to the arena's side
+HUNTER_Y: Final = 3 * LANES  # as HUNTER_X
+PREY_REFERENCE_ROWS: Final = 4
+
 
 class Settings(NamedTuple):
     """Config as the core reads it: scalars, each in the unit that its name ends in; flags are 0 or 1.
@@ -34,7 +47,6 @@ class Settings(NamedTuple):
     hunters_seen: int
     policy: int
     partners_needed: int
-    needs_progress: int
     any_control: int
     target_budget: float
     spawned_in_full: float
@@ -62,7 +74,6 @@ class Settings(NamedTuple):
     prey: int
     prey_min_speed_mps: float
     prey_returns_ms: float
-    needs_gain: int
     partial_view: int
     view_radius_um: float
     view_cosine: float

@@ -22,7 +22,7 @@ from catch_arena.core.memory import Bytes, Sections, sections_of, settings_in
 from catch_arena.core.observations import observe
 from catch_arena.core.physics import move
 from catch_arena.core.prey import command_prey, return_prey, reward_prey
-from catch_arena.core.rewards import reward, write_team_scores
+from catch_arena.core.rewards import note_references, reward, write_team_scores
 from catch_arena.core.spawner import spawn_through
 from catch_arena.core.state import STILL, Options, Settings, targets_of
 from catch_arena.core.targets import command_targets
@@ -55,6 +55,7 @@ def play(
     orders, controls = sections.target_orders[first_arena // LANES], sections.controls[first_arena:stop_arena]
     choices, commands = choices[first_arena:stop_arena], commands[first_arena:stop_arena]
     apply_actions(chunk, s, width, lanes, orders, controls, choices, commands, sections)
+    note_references(chunk, s, lanes, orders, targets, sections)
     if s.target_motion != STILL:
         command_targets(chunk, s, width, lanes, targets, sections.scratch_rows)
     if s.prey > 0:

@@ -21,7 +21,7 @@ from catch_arena.errors import require_type
 from catch_arena.layout import observation_size, prey_observation_size
 
 
-def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = False) -> Settings:
+def settings_of(config: ArenaConfig, *, any_control: bool = False) -> Settings:
     """Return the scalars of a config, as the core reads them. A field has the value of that name in the config, if it
     is not converted here; None becomes infinity.
     """
@@ -34,8 +34,6 @@ def settings_of(config: ArenaConfig, *, with_parts: bool, any_control: bool = Fa
         **{f"{part}_weight": weight for part, weight in weights.items()},
         "policy": POLICIES[config.policy],
         "partners_needed": config.hunters_per_catch - 1,
-        "needs_progress": with_parts or config.rewards.progress != 0.0,
-        "needs_gain": with_parts or config.prey_rewards.gained != 0.0,
         "any_control": any_control,
         "spawned_in_full": _spawned_in_full(config),
         "period_ms": config.control_period_ms,

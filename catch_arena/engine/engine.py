@@ -87,7 +87,7 @@ class Engine:
         num_threads: int = 1,
         any_control: bool = False,
     ) -> None:
-        settings = settings_of(config, with_parts=with_infos, any_control=any_control)
+        settings = settings_of(config, any_control=any_control)
         options = state.options_of(settings)
         width, view_width = (SINGLE, SINGLE) if num_arenas == 1 else (PLAYED, WIDE)
         self._kind = (width, view_width, options)

@@ -66,7 +66,7 @@ def _contest(config: ArenaConfig, world: World, target: str, rulings: Sequence[R
 
 def unseen_targets(config: ArenaConfig, world: World, seat: int) -> list[Unseen]:
     """Return the targets that a seat does not see, the nearest first; a withdrawn hunter counts like an active one."""
-    settings = settings_of(config, with_parts=False)
+    settings = settings_of(config)
     me, found = world.hunters[seat], []
     sine, cosine = sincos(me.theta)
     for target in world.targets:

@@ -140,7 +140,7 @@ def test_a_branch_that_is_taken_for_numbers_above_zero_alone_is_not_compiled_whe
     def whole(numbers, options):
         return inner(settings_in(by_address(numbers), options))
 
-    numbers = np.array(settings_of(ArenaConfig(hunters=3), with_parts=False), dtype=np.float64)
+    numbers = np.array(settings_of(ArenaConfig(hunters=3)), dtype=np.float64)
     assert whole(numbers, NO_OPTIONS) == 3
     with pytest.raises(numba.TypingError, match="missing"):
         whole(numbers, ALL_OPTIONS)

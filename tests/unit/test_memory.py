@@ -12,7 +12,7 @@ from catch_arena.engine.core_settings import settings_of, sizes_of
 def some_sizes(arenas=3):
     """Sizes of a small engine that has everything."""
     config = ArenaConfig(hunters=5, prey=2, initial_targets=2, teams=((0, 1), (2, 3, 4)))
-    return sizes_of(config, settings_of(config, with_parts=True), arenas, 7, with_infos=True, auto_reset=True)
+    return sizes_of(config, settings_of(config), arenas, 7, with_infos=True, auto_reset=True)
 
 
 def test_every_section_is_a_view_of_the_memory_with_its_own_type_and_shape():
