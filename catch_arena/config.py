@@ -106,7 +106,21 @@ class FaultRates(_Part):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ArenaConfig:
+class KnownSettings:
+    """Settings of an arena that its hunters know, with the same names and values in their `Limits`."""
+
+    hunters_per_catch: int = 1
+    """R5.10: number of hunters of one team that a catch needs; more than 1 requires teams."""
+    view_radius_m: Annotated[float | None, None, 10_000.0] = None
+    """R7.5: distance below which a hunter sees others; None means the whole arena."""
+    view_angle_deg: Annotated[float, None, 360.0] = 360.0
+    """R7.5: full angle of a hunter's cone of view, centred on its heading, above 0 and up to 360."""
+    view_noise_m: Annotated[float, 0.0, 1000.0] = 0.0
+    """R7.6: standard deviation of the error in each position that a hunter sees."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ArenaConfig(KnownSettings):
     """All settings of an arena; equal configs play equal matches (R10.1).
 
     The type of a number has its bounds: its least value, or None for above 0, and its greatest value.
@@ -132,8 +146,6 @@ class ArenaConfig:
     """R5.3, R2.7: a target is within reach strictly below this distance, for all hunters or for each seat."""
     policy: ArbitrationPolicy = "nearest"
     """R5.9: rule that decides contests."""
-    hunters_per_catch: int = 1
-    """R5.10: number of hunters of one team that a catch needs; more than 1 requires teams."""
     teams: tuple[tuple[int, ...], ...] | None = None
     """R11.1: seats of each team, each seat once; None makes each hunter a team of its own."""
     team_share: _Probability = 0.0
@@ -168,12 +180,6 @@ class ArenaConfig:
     """R7.1: K, number of nearest targets in a hunter's observation; None means min(8, max_targets)."""
     observed_hunters: int | None = None
     """R7.1: number of nearest rivals in a hunter's observation; None means min(hunters - 1, 7)."""
-    view_radius_m: Annotated[float | None, None, 10_000.0] = None
-    """R7.5: distance below which a hunter sees others; None means the whole arena."""
-    view_angle_deg: Annotated[float, None, 360.0] = 360.0
-    """R7.5: full angle of a hunter's cone of view, centred on its heading, above 0 and up to 360."""
-    view_noise_m: Annotated[float, 0.0, 1000.0] = 0.0
-    """R7.6: standard deviation of the error in each position that a hunter sees."""
     mask_in_observation: bool = False
     """R7.2: true if observations under target control are Dict(observation, action_mask), not the bare vector."""
     control_period_ms: Annotated[int, 16, 10**9] = 100

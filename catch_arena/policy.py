@@ -2,11 +2,11 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import cache, cached_property
 from typing import Any, ClassVar, Literal, NamedTuple, Protocol, get_args, runtime_checkable
 
-from catch_arena.config import ArenaConfig, Control
+from catch_arena.config import ArenaConfig, Control, KnownSettings
 from catch_arena.errors import AgentError, ConfigError, require_type
 from catch_arena.geometry import own_frame
 from catch_arena.layout import Group, groups, prey_groups
@@ -16,9 +16,11 @@ Side = Literal["hunter", "prey"]
 """R12.7: kind of player that an agent plays."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True)
 class _PlayerLimits:
     """Settings of an arena that any player may use, as they apply to it; fixed for the match."""
+
+    __slots__ = ()  # its fields are slots of the classes below, of which one has another base with slots
 
     side_m: float
     """Side of the arena [m]; x and y lie in [0, side_m] (R2.1)."""
@@ -43,7 +45,7 @@ class _PlayerLimits:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limits(_PlayerLimits):
+class Limits(KnownSettings, _PlayerLimits):
     """Settings of an arena that a hunter may use, as they apply to it; fixed for the match."""
 
     side: ClassVar[Side] = "hunter"
@@ -60,16 +62,8 @@ class Limits(_PlayerLimits):
     """Greatest turn rate of a target [rad/s]; 0 if targets stand still (R3.8)."""
     alarm_m: float = 0.0
     """Distance below which a target flees from a hunter [m]; 0 if no target flees (R3.10)."""
-    view_radius_m: float | None = None
-    """Distance below which this hunter sees others [m]; None means the whole arena (R7.5)."""
-    view_angle_deg: float = 360.0
-    """Full angle of the hunter's cone of view, centred on its heading [degrees] (R7.5)."""
-    view_noise_m: float = 0.0
-    """Standard deviation of the error in each position that the hunter sees [m] (R7.6)."""
     teams: bool = False
     """True if hunters play in teams; `rival.mate` then marks team-mates (R11.1)."""
-    hunters_per_catch: int = 1
-    """Number of hunters of one team that a catch needs (R5.10)."""
 
     @classmethod
     def of(cls, config: ArenaConfig, seat: int | None = None) -> "Limits":
@@ -101,12 +95,9 @@ class Limits(_PlayerLimits):
             target_speed_mps=config.target_speed_mps if config.targets_move else 0.0,
             target_turn_rate_radps=config.target_turn_rate_radps if config.targets_move else 0.0,
             alarm_m=config.alarm_m if config.target_motion == "flee" else 0.0,
-            view_radius_m=config.view_radius_m,
-            view_angle_deg=config.view_angle_deg,
-            view_noise_m=config.view_noise_m,
             teams=config.teams is not None,
-            hunters_per_catch=config.hunters_per_catch,
             prey=config.prey,
+            **{setting.name: getattr(config, setting.name) for setting in fields(KnownSettings)},
         )
 
     def view(self, observation: Sequence[float], mask: Sequence[int]) -> "View":

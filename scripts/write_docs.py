@@ -64,12 +64,17 @@ def limits_table(kind: type[Limits | PreyLimits]) -> str:
     lines = ["| field | unit | meaning |", "|---|---|---|"]
     for name, words in words_below(kind).items():
         meaning, unit = split_unit(words)
-        lines.append(f"| `{name}` | {unit} | {meaning} |")
+        lines.append(f"| `{name}` | {unit or unit_of(name)} | {meaning} |")
     return "\n".join(lines)
 
 
-def settings() -> Iterator[tuple[int, str]]:
-    """Yield every setting, with its chapter of the rulebook and its row of docs/reference/settings.md."""
+def unit_of(setting: str) -> str:
+    """Return the unit in which the name of a setting ends; empty without one."""
+    return UNITS.get(setting.rpartition("_")[2], "")
+
+
+def settings() -> Iterator[tuple[list[int], str]]:
+    """Yield every setting, with its clause of the rulebook and its row of docs/reference/settings.md."""
     kinds, words = get_type_hints(ArenaConfig), words_below(ArenaConfig)
     for field in fields(ArenaConfig):
         kind: Any = kinds[field.name]
@@ -78,18 +83,18 @@ def settings() -> Iterator[tuple[int, str]]:
             for part in fields(kind):
                 meaning, unit = split_unit(parts[part.name])
                 row = (f"`{field.name}.{part.name}`", unit, shown(getattr(kind(), part.name)))
-                yield chapter_of(clause), f"| {' | '.join(row)} | {clause}: {meaning[0].lower()}{meaning[1:]} |"
+                yield clause_of(clause), f"| {' | '.join(row)} | {clause}: {meaning[0].lower()}{meaning[1:]} |"
             continue
         meaning = words[field.name]
         if choices := words_of(kind):
             meaning += f" One of {', '.join(f'`{word}`' for word in choices)}."
-        row = (f"`{field.name}`", UNITS.get(field.name.rpartition("_")[2], ""), shown(field.default))
-        yield chapter_of(meaning), f"| {' | '.join(row)} | {meaning} |"
+        row = (f"`{field.name}`", unit_of(field.name), shown(field.default))
+        yield clause_of(meaning), f"| {' | '.join(row)} | {meaning} |"
 
 
-def chapter_of(words: str) -> int:
-    """Return the chapter of the clause at the beginning of the words, which must have one."""
-    return int(re.match(r"R(\d+)\.", words)[1])  # type: ignore[index]
+def clause_of(words: str) -> list[int]:
+    """Return chapter and number of the clause at the beginning of the words, which must have one."""
+    return [int(number) for number in re.match(r"R(\d+)\.(\d+)", words).groups()]  # type: ignore[union-attr]
 
 
 def words_of(kind: Any) -> tuple[str, ...]:
@@ -106,17 +111,17 @@ def shown(default: object) -> str:
 
 
 def settings_tables() -> str:
-    """Return a heading and a table for each chapter of the rulebook that has settings."""
+    """Return a heading and a table for each chapter of the rulebook that has settings, in the order of the clauses."""
     titles = dict(
         re.findall(r"^## Chapter (\d+): (.+)$", (DOCS / "reference" / "rulebook.md").read_text(), re.MULTILINE)
     )
     chapters: dict[int, list[str]] = {}
-    for chapter, row in settings():
+    for (chapter, _), row in sorted(settings(), key=lambda setting: setting[0]):
         chapters.setdefault(chapter, []).append(row)
     head = "| setting | unit | default | meaning |\n|---|---|---|---|"
     return "\n\n".join(
         f"## {titles[str(chapter)]} (chapter {chapter})\n\n{head}\n" + "\n".join(rows)
-        for chapter, rows in sorted(chapters.items())
+        for chapter, rows in chapters.items()
     )
 
 

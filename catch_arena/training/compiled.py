@@ -7,10 +7,9 @@ function that decides, with all functions that it calls.
 import hashlib
 import math
 from collections.abc import Callable
-from dataclasses import fields
 from functools import cache
 from types import FunctionType, ModuleType
-from typing import Any, Final, NamedTuple
+from typing import Any, Final, NamedTuple, get_type_hints
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +25,7 @@ Decide = Callable[[Any], Any]
 """Function from a view of one hunter to its action."""
 
 
-_NUMBERS: Final = [field.name for field in fields(Limits) if field.type in (int, float, bool)]
+_NUMBERS: Final = [name for name, kind in get_type_hints(Limits).items() if kind in (int, float, bool)]
 _make: Any = NamedTuple  # for type checkers, which want to see the fields
 _Limits: Any = _make("_Limits", [(name, float) for name in _NUMBERS])
 _FIELDS: Final = (
