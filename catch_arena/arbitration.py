@@ -20,6 +20,7 @@ from catch_arena.config import (
     require_number,
 )
 from catch_arena.core import arbiter, rows
+from catch_arena.core.compiling import ARBITER_S, announced
 from catch_arena.errors import ActionError, ConfigError
 from catch_arena.plain import plain_setting, whole_number
 from catch_arena.seeding import checked_seed
@@ -118,15 +119,16 @@ def arbitrate(
             row[arbiter.REQUEST_NUMBER] = numbers[name]
             row[arbiter.REQUEST_DISTANCE] = arbiter.measure_um(target_x - x, target_y - y)
             row[arbiter.REQUEST_KILL_REFUSED] = name in refused
-    arbiter.judge_alone(
-        table,
-        arbiter.POLICIES[policy],
-        np.uint64(checked_seed(seed)),
-        number_of_step,
-        require_flag("match_over", match_over),
-        require_flag("kill_service_up", kill_service_up),
-        int(hunters_per_catch) - 1,
-    )
+    with announced("the arbiter", ARBITER_S):
+        arbiter.judge_alone(
+            table,
+            arbiter.POLICIES[policy],
+            np.uint64(checked_seed(seed)),
+            number_of_step,
+            require_flag("match_over", match_over),
+            require_flag("kill_service_up", kill_service_up),
+            int(hunters_per_catch) - 1,
+        )
     return rulings_of(table, [name for _, name in requests], number_of_step)
 
 

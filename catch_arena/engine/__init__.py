@@ -2,7 +2,6 @@
 envs/.
 
 - engine: `Engine`, which the envs, `ros.arena_service` and the replays use, and its `SavedState`.
-- compiling: compilation of the core, once in a process, and its message.
 - core_settings: a config as the core's numbers. episode_seeds: the seed of each episode.
 - reading: what people read in the memory: views of it by content, worlds with their rulings, and the state that the
   digest reads.

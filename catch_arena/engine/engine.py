@@ -14,12 +14,12 @@ from numpy.typing import NDArray
 from catch_arena.config import ArenaConfig
 from catch_arena.core import dropouts, placing, rows, spawner, state, tick
 from catch_arena.core.arbiter import REQUEST_COLUMNS, RequestTable
+from catch_arena.core.compiling import ALL_S, COMMON_S, announced
 from catch_arena.core.controllers import CONTROLS
 from catch_arena.core.memory import Bytes, Sections, copy_of, lay_out, sections_of
 from catch_arena.core.prey import withdraw_prey_at
 from catch_arena.core.state import ABSENT, ALL_OPTIONS
 from catch_arena.core.vectors import LANES, PLAYED, SINGLE, WIDE
-from catch_arena.engine.compiling import announced
 from catch_arena.engine.core_settings import limits_by_seat, settings_of, sizes_of
 from catch_arena.engine.reading import RULING, row_of, rulings_in, state_in, views_of, world_in
 from catch_arena.equality import EqualByBits
@@ -114,7 +114,8 @@ class Engine:
         sections.teams[:] = [min(config.team_seats[team]) for team in config.team_by_seat]
         sections.team_seats[:] = [min(seats) for seats in config.teams or ()]
         self._bind_sections(memory, sections)
-        with announced(batch=num_arenas > 1, all_rules=options == ALL_OPTIONS):
+        rules, seconds = ("all rules", ALL_S) if options == ALL_OPTIONS else ("the common rules", COMMON_S)
+        with announced(f"{rules} for {'one arena' if num_arenas == 1 else 'a batch'}", seconds):
             tick.run(self._kind, memory, 0, 0, 0, _NO_RESETS, True, *_NO_ACTIONS)  # plays no chunk
         spare = num_arenas - (self._num_chunks - 1) * LANES  # lanes without an arena hold only withdrawn hunters
         self.views.hunters[-1, :, row_of(rows.WITHDRAWN), spare:] = 1.0

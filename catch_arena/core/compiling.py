@@ -5,14 +5,14 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache, partial
+from functools import cache
 from typing import Final
 
 from catch_arena.core.cache_folder import CACHE_DIRECTORY, on_miss
 from catch_arena.core.modes import COMPILER, INTERPRETED
 
-_COMMON_S, _ALL_S = (5, 7) if COMPILER else (20, 25)
-"""Approximate compile time on a machine of 2025 [s]."""
+ARBITER_S, COMMON_S, ALL_S = (1, 5, 7) if COMPILER else (2, 20, 25)
+"""Approximate compile time of the arbiter alone, of the common rules, and of all [s], on a machine of 2025."""
 _KEPT: Final = (
     "kept for later starts"
     if CACHE_DIRECTORY and os.access(CACHE_DIRECTORY, os.W_OK)
@@ -21,21 +21,22 @@ _KEPT: Final = (
 
 
 @cache
-def _announce(*, batch: bool, all_rules: bool) -> None:
+def _announce(rules: str, seconds: int) -> None:
     """Print the line, once in a process."""
-    rules = f"{'all' if all_rules else 'the common'} rules for {'a batch' if batch else 'one arena'}"
-    seconds = _ALL_S if all_rules else _COMMON_S
     sys.stderr.write(
         f"catch_arena: compiling {rules}: about {seconds} s, and longer on a slow or busy machine; {_KEPT}\n"
     )
 
 
 @contextmanager
-def announced(*, batch: bool, all_rules: bool) -> Iterator[None]:
+def announced(rules: str, seconds: int) -> Iterator[None]:
     """Print one line if something is compiled in this context, with the garbage collector off: it would scan the
-    compiler's many objects again and again.
+    compiler's many objects again and again. `seconds` is the approximate compile time.
     """
-    announce = partial(_announce, batch=batch, all_rules=all_rules)
+
+    def announce() -> None:
+        _announce(rules, seconds)
+
     if CACHE_DIRECTORY is None and not INTERPRETED:
         announce()
     on_miss.append(announce)
