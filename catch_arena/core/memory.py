@@ -71,8 +71,6 @@ class Sections(NamedTuple):
     """R11.1: lowest seat of each team, in the order of the teams: (teams,); empty without teams."""
     keys: Annotated[Int32s, "threads", MOST * LANES]
     """Sorting keys, by slot or seat: rows of LANES. `ranking.key_of` makes a key of a distance and that number."""
-    positions: Annotated[Float64s, "threads", MOST * 2 * len(WIDE)]
-    """Positions of the hunters, in one group of lanes: see `ranking.note_positions`."""
     target_tiles: Annotated[Float64s, "threads", (MOST + 1) * len(WIDE) * TILE]
     """Tiles of the targets in one group of lanes, by slot and lane: see features.py."""
     body_tiles: Annotated[Float64s, "threads", (MOST + 1) * len(WIDE) * TILE]

@@ -29,7 +29,7 @@ from catch_arena.core.math import sincos
 from catch_arena.core.memory import Sections
 from catch_arena.core.prey_views import gather_prey, write_prey
 from catch_arena.core.random import draw, seed_of
-from catch_arena.core.ranking import Bodies, measure_rivals, note_positions, order_bodies, rank_targets, write_order
+from catch_arena.core.ranking import Bodies, measure_bodies, order_bodies, rank_targets, write_order
 from catch_arena.core.state import (
     ABSENT,
     Order,
@@ -282,8 +282,6 @@ def rank_seen(
     group. One group's numbers, which are read again and again, stay in the first cache.
     """
     keys, targets, hunters = sections.keys, targets_of(chunk, s), chunk[seat_at(0) : seat_at(s.hunters)]
-    if s.hunters_seen > 0:
-        note_positions(chunk, s, first, width, sections.positions)
     for seat in range(s.hunters):
         me = seat_of(chunk, seat)
         reach_um = limits_of(sections.limits, seat).reach_um
@@ -291,7 +289,7 @@ def rank_seen(
         write_order(keys, slots, s.targets_seen, first, width, orders[seat])
         if s.hunters_seen > 0:
             rivals = Bodies(hunters, rows.SEAT_SIZE, s.hunters, seat, s.hunters_seen, True)
-            measure_rivals(chunk, s, first, width, seat, reach_um, sections.positions, keys)
+            measure_bodies(me, s, first, width, rivals, reach_um, keys)
             order_bodies(me, first, width, lanes, rivals, sections)
             write_order(keys, s.hunters, s.hunters_seen, first, width, sections.rival_orders[seat])
 

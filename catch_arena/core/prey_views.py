@@ -11,10 +11,10 @@ from catch_arena.core.addresses import flat
 from catch_arena.core.features import body_of_tile, body_seen, body_tile, put_rank, put_tile, time_left_at
 from catch_arena.core.jit import Rows, outlined, phase
 from catch_arena.core.memory import Sections
-from catch_arena.core.ranking import FAR, NO_OBSERVER, Bodies, body_in, item_of, key_of, order_bodies
+from catch_arena.core.ranking import NO_OBSERVER, Bodies, body_in, item_of, measure_bodies, order_bodies
 from catch_arena.core.state import ABSENT, Settings, prey_of, seat_at
 from catch_arena.core.transfers import Place, put_rows, take_tile
-from catch_arena.core.vectors import LANES, Width, group, long, select
+from catch_arena.core.vectors import LANES, Width, group, long
 from catch_arena.layout import MOST_SEEN_BY_PREY, BodyFeatures, PreySelfFeatures
 
 _SELF_WIDTH: Final = len(PreySelfFeatures._fields)
@@ -37,23 +37,11 @@ def gather_prey(chunk: Rows, s: Settings, lanes: int, targets: Rows, sections: S
 
 
 @phase
-def rank_bodies(me: Rows, first: int, width: Width, lanes: int, bodies: Bodies, sections: Sections) -> None:
-    """R12.4: rank bodies by distance, then in R7.1's order of rivals, in the lanes of one group."""
-    keys, lane = sections.keys, group(first, width)
-    for item in range(bodies.total):
-        other = body_in(bodies, item)
-        key = key_of(other[rows.X + lane] - me[rows.X + lane], other[rows.Y + lane] - me[rows.Y + lane], item)
-        unseen = (other[rows.WITHDRAWN + lane] > 0.0) | (me[rows.WITHDRAWN + lane] > 0.0) | (item == bodies.observer)
-        keys[item * LANES + lane] = select(unseen, FAR, key)
-    order_bodies(me, first, width, lanes, bodies, sections)
-
-
-@phase
 def write_bodies(
     me: Rows, first: int, width: Width, bodies: Bodies, is_last: bool, sections: Sections, place: Place
 ) -> None:
-    """R12.4: write one prey's view of the bodies that `rank_bodies` has ranked, in the lanes of one group. `is_last`:
-    the last rank has the last columns of the observation.
+    """R12.4: write one prey's view of the ranked bodies, in the lanes of one group; while it is out, it sees none of
+    them. `is_last`: the last rank has the last columns of the observation.
     """
     lane = group(first, width)
     observer = body_tile(me, 0.0, lane)
@@ -61,7 +49,7 @@ def write_bodies(
         put_tile(sections.body_tiles, item, width, body_tile(body_in(bodies, item), 0.0, lane))
     for rank in range(bodies.ranks):
         items = long(item_of(sections.keys[rank * LANES + lane]))
-        present = items != ABSENT
+        present = (items != ABSENT) & (me[rows.WITHDRAWN + lane] == 0.0)
         tile = take_tile(sections.body_tiles, items, width)
         at_rank = Place(place.out, place.at + rank * _BODY_WIDTH, place.stride)
         seen = body_seen(observer, body_of_tile(tile))
@@ -110,7 +98,8 @@ def write_prey(
                 are_rivals=False,
             )
             if bodies.ranks > 0:
-                rank_bodies(me, first, width, lanes, bodies, sections)
+                measure_bodies(me, s, first, width, bodies, 0.0, sections.keys)
+                order_bodies(me, first, width, lanes, bodies, sections)
                 is_last = of_prey or s.prey == 1
                 write_bodies(me, first, width, bodies, is_last, sections, Place(place.out, at, place.stride))
             at += bodies.ranks * _BODY_WIDTH

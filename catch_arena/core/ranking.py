@@ -11,7 +11,7 @@ from catch_arena.core import rows
 from catch_arena.core.features import body_seen, body_tile
 from catch_arena.core.jit import Rows, outlined, phase, rule
 from catch_arena.core.memory import Sections
-from catch_arena.core.state import ABSENT, MOST, Order, Settings, seat_of
+from catch_arena.core.state import ABSENT, MOST, Order, Settings
 from catch_arena.core.vectors import LANES, Width, any_of, byte, group, select, single_bits, truncate
 from catch_arena.core.visibility import is_seen
 
@@ -97,37 +97,6 @@ def rank_targets(
     sort_keys(keys, slots, s.targets_seen, first, width)
 
 
-@phase
-def note_positions(chunk: Rows, s: Settings, first: int, width: Width, positions: Rows) -> None:
-    """Write the positions of all hunters, side by side for all observers, in the lanes of one group. A withdrawn hunter
-    is infinitely far, so that no hunter sees it (R1.6). The result is x and y by seat [m], each as many numbers as the
-    group has lanes.
-    """
-    lane = group(first, width)
-    for seat in range(s.hunters):
-        me = seat_of(chunk, seat)
-        at = 2 * seat * len(width) + group(0, width)
-        positions[at] = select(me[rows.WITHDRAWN + lane] > 0.0, np.inf, me[rows.X + lane])
-        positions[len(width) + at] = me[rows.Y + lane]
-
-
-@phase
-def measure_rivals(
-    chunk: Rows, s: Settings, first: int, width: Width, seat: int, reach_um: float, positions: Rows, keys: Keys
-) -> None:
-    """R7.1, R7.5: write the keys of the other hunters that are seen, by seat, in the lanes of one group."""
-    me, lane = seat_of(chunk, seat), group(first, width)
-    x, y, sine, cosine = me[rows.X + lane], me[rows.Y + lane], me[rows.SINE + lane], me[rows.COSINE + lane]
-    for other in range(s.hunters):
-        at = 2 * other * len(width) + group(0, width)
-        dx, dy = positions[at] - x, positions[len(width) + at] - y
-        key = key_of(dx, dy, other)
-        if s.partial_view:
-            key = select(is_seen(dx, dy, sine, cosine, reach_um, s), key, FAR)
-        keys[other * LANES + lane] = key
-    keys[seat * LANES + lane] = FAR
-
-
 NO_OBSERVER: Final = -1
 """Value in place of an index: the observer is not one of the ranked bodies."""
 
@@ -152,6 +121,26 @@ class Bodies(NamedTuple):
 def body_in(bodies: Bodies, item: int) -> Rows:
     """Return the rows of one of the bodies."""
     return bodies.rows[item * bodies.size : (item + 1) * bodies.size]
+
+
+@phase
+def measure_bodies(
+    me: Rows, s: Settings, first: int, width: Width, bodies: Bodies, reach_um: float, keys: Keys
+) -> None:
+    """R7.1, R7.5, R12.4: write the keys of the bodies that are seen, by index, in the lanes of one group. Nobody sees
+    withdrawn hunters, or prey that is out (R1.6).
+    """
+    lane = group(first, width)
+    x, y, sine, cosine = me[rows.X + lane], me[rows.Y + lane], me[rows.SINE + lane], me[rows.COSINE + lane]
+    for item in range(bodies.total):
+        at = item * bodies.size + lane
+        dx, dy = bodies.rows[rows.X + at] - x, bodies.rows[rows.Y + at] - y
+        seen = bodies.rows[rows.WITHDRAWN + at] == 0.0
+        if bodies.are_rivals and s.partial_view:
+            seen = seen & is_seen(dx, dy, sine, cosine, reach_um, s)
+        keys[item * LANES + lane] = select(seen, key_of(dx, dy, item), FAR)
+    if bodies.observer != NO_OBSERVER:
+        keys[bodies.observer * LANES + lane] = FAR
 
 
 @rule

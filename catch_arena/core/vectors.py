@@ -180,13 +180,9 @@ def shuffle(builder: Any, a: Any, b: Any, chosen: list[int]) -> Any:
 
 def _common(a: Any, b: Any) -> Any:
     """Return the vector type to which both convert, if one is a vector type and the other can convert; else None."""
-    first, second = isinstance(a, Vector), isinstance(b, Vector)
-    if first and second:
-        return a if a == b else None
-    if first or second:
-        vector, other = (a, b) if first else (b, a)
-        return vector if isinstance(other, types.Number | types.Boolean) else None
-    return None
+    vector, other = (a, b) if isinstance(a, Vector) else (b, a)
+    converts = other == vector or isinstance(other, types.Number | types.Boolean)
+    return vector if isinstance(vector, Vector) and converts else None
 
 
 def _operate(symbol: Callable[..., Any], emit: Emitter, *, compares: bool = False) -> None:
