@@ -40,11 +40,6 @@ class ArrayAt(types.Type):  # type: ignore[misc]
         self.dtype, self.ndim = dtype, ndim
         super().__init__(f"ArrayAt({dtype} x {ndim})")
 
-    @property
-    def row(self) -> "ArrayAt":
-        """Type of an array's item at one index, if it has several dimensions."""
-        return ArrayAt(self.dtype, self.ndim - 1)
-
 
 @register_model(ArrayAt)
 class _ArrayAtModel(models.StructModel):
@@ -117,7 +112,7 @@ def _type_of_item(array: Any, index: Any) -> Any:
         return None if index.has_step else array(array, index)
     if _indexes(index) == array.ndim:
         return array.dtype(array, index)
-    return array.row(array, index) if _indexes(index) == 1 else None
+    return ArrayAt(array.dtype, array.ndim - 1)(array, index) if _indexes(index) == 1 else None
 
 
 @lower_builtin(operator.getitem, ArrayAt, types.BaseTuple)

@@ -148,3 +148,20 @@ def test_prey_is_never_killed_wherever_it_stands_in_the_list(row):
     assert sorted(filter(None, played)) == ["prey_0", "prey_1"]
     assert played[-1] == "prey_0"
     assert [engine.kill(row, target.number) for target in alive] == [prey is None for prey in played]
+
+
+def test_negative_weights_pay_the_same_whether_or_not_the_parts_are_kept():
+    """R6.2, R12.5: progress and gained are measured for the reward too, not only for infos."""
+    weights = {"rewards": {"progress": -1.0}, "prey_rewards": {"gained": -1.0}}
+    config = scenario("herd").replace(control="target", **weights)
+    kept, unkept = Engine(config), Engine(config, with_infos=False)
+    for engine in (kept, unkept):
+        engine.reset([1])
+    paid = np.zeros(config.hunters + config.prey)
+    choices, commands = actions(kept)
+    for _ in range(20):
+        for engine in (kept, unkept):
+            engine.step(choices, commands + 1.0)  # prey drives
+        paid += abs(unkept.rewards[0])
+        assert (unkept.rewards == kept.rewards).all()
+    assert (paid > 0.0).all()
