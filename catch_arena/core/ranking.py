@@ -127,8 +127,8 @@ def body_in(bodies: Bodies, item: int) -> Rows:
 def measure_bodies(
     me: Rows, s: Settings, first: int, width: Width, bodies: Bodies, reach_um: float, keys: Keys
 ) -> None:
-    """R7.1, R7.5, R12.4: write the keys of the bodies that are seen, by index, in the lanes of one group. Nobody sees
-    withdrawn hunters, or prey that is out (R1.6).
+    """R7.1, R7.5, R12.4: write the keys of the bodies that are seen, by index, in the lanes of one group. Withdrawn
+    hunters, and prey that is out, are not seen (R1.6).
     """
     lane = group(first, width)
     x, y, sine, cosine = me[rows.X + lane], me[rows.Y + lane], me[rows.SINE + lane], me[rows.COSINE + lane]
