@@ -15,7 +15,6 @@ from catch_arena.render.hud import BRIGHT, CARD, DIM, FEED_ROW, Rect, agent_chip
 from catch_arena.render.match_info import MatchInfo
 from catch_arena.render.shapes import Box, Label, Shape
 from catch_arena.render.text import text_width
-from catch_arena.verdicts import Verdict
 
 _LEAST_TIMED: Final = 21.0
 """Least width of a card with times, in sizes of its text."""
@@ -40,11 +39,7 @@ def feed_items(annotation: Annotation) -> Iterator[FeedItem]:
     if annotation.kind == "refused":
         yield FeedItem(time_ms, (seat, annotation.text), "refused")
     if contest is not None:
-        winner, second = contest.claims[:2]
-        if second.verdict is not Verdict.GRANTED:
-            yield FeedItem(time_ms, (seat, "beat", second.seat, margin_phrase(contest)), "contest")
-        elif seat == winner.seat:  # R5.10: the annotations of its partners have the same contest
-            yield FeedItem(time_ms, (seat, "caught it with", second.seat), "contest")
+        yield FeedItem(time_ms, (seat, "beat", contest.claims[1].seat, margin_phrase(contest)), "contest")
     elif annotation.neighbours:
         rival, behind_um = annotation.neighbours[0]
         if behind_um is not None and behind_um > 0:

@@ -41,14 +41,6 @@ def test_a_tie_is_won_by_lot():
     assert with_items((), [tie])[0].parts == (0, "beat", 2, "by lot")
 
 
-def test_partners_who_catch_together_are_one_item_and_neither_beats_the_other():
-    """R5.10: both requests are granted, and both catches have the same contest."""
-    claims = (Claim(seat, Verdict.GRANTED, 100_000 * seat) for seat in (1, 2))
-    together = Contest(189, 18_800, "target_turtle_7", "R5.4", (*claims, Claim(3, Verdict.LOST_CONTEST, 300_000)))
-    feed = with_items((), [replace(CONTEST, seat=seat, contest=together) for seat in (1, 2)])
-    assert [item.parts for item in feed] == [(1, "caught it with", 2)]
-
-
 def test_a_contest_that_the_queue_decides_is_won_by_lot_whoever_was_nearer():
     """R5.9: distance decides nothing there, and the captions and the lens say so too."""
     feed = with_items((), [replace(CONTEST, contest=contest(155_000, "R5.9")), NEAR_MISS])
