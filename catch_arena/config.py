@@ -106,8 +106,10 @@ class FaultRates(_Part):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class KnownSettings:
-    """Settings of an arena that its hunters know, with the same names and values in their `Limits`."""
+class SharedSettings:
+    """Settings that a hunter's `Limits` have too, with the same names and values: one that is added here needs no line
+    in policy.py.
+    """
 
     hunters_per_catch: int = 1
     """R5.10: number of hunters of one team that a catch needs; more than 1 requires teams."""
@@ -120,7 +122,7 @@ class KnownSettings:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ArenaConfig(KnownSettings):
+class ArenaConfig(SharedSettings):
     """All settings of an arena; equal configs play equal matches (R10.1).
 
     The type of a number has its bounds: its least value, or None for above 0, and its greatest value.

@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields
 from functools import cache, cached_property
 from typing import Any, ClassVar, Literal, NamedTuple, Protocol, get_args, runtime_checkable
 
-from catch_arena.config import ArenaConfig, Control, KnownSettings
+from catch_arena.config import ArenaConfig, Control, SharedSettings
 from catch_arena.errors import AgentError, ConfigError, require_type
 from catch_arena.geometry import own_frame
 from catch_arena.layout import Group, groups, prey_groups
@@ -20,7 +20,7 @@ Side = Literal["hunter", "prey"]
 class _PlayerLimits:
     """Settings of an arena that any player may use, as they apply to it; fixed for the match."""
 
-    __slots__ = ()  # its fields are slots of the classes below, of which one has another base with slots
+    __slots__ = ()  # Python allows one base with slots, so that these fields are slots of the classes below
 
     side_m: float
     """Side of the arena [m]; x and y lie in [0, side_m] (R2.1)."""
@@ -45,7 +45,7 @@ class _PlayerLimits:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Limits(KnownSettings, _PlayerLimits):
+class Limits(SharedSettings, _PlayerLimits):
     """Settings of an arena that a hunter may use, as they apply to it; fixed for the match."""
 
     side: ClassVar[Side] = "hunter"
@@ -97,7 +97,7 @@ class Limits(KnownSettings, _PlayerLimits):
             alarm_m=config.alarm_m if config.target_motion == "flee" else 0.0,
             teams=config.teams is not None,
             prey=config.prey,
-            **{setting.name: getattr(config, setting.name) for setting in fields(KnownSettings)},
+            **{setting.name: getattr(config, setting.name) for setting in fields(SharedSettings)},
         )
 
     def view(self, observation: Sequence[float], mask: Sequence[int]) -> "View":

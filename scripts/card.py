@@ -111,7 +111,7 @@ def result_of(agent: Entrant, most: int) -> AgentMeasures:
             print(f"{agent.name} is played again in {one.folder.name}: {error}", file=sys.stderr)
             shutil.rmtree(one.folder)
     with progress_bar(agent.name) as show:
-        play(setups, Processes().number, show)
+        play(setups, Processes().workers, show)
     return measure(SUITE, setups)
 
 

@@ -91,7 +91,7 @@ def _agent_grading(exercise: GradingSpec, students: ClassOptions, trust: Trust, 
         raise ConfigError(
             f"{exercise.path}: a class needs seed or seed_file, so that all students play the same matches"
         )
-    jobs = min(students.number, submissions)
+    jobs = min(students.workers, submissions)
     with sandbox_for(quotas) as sandbox:
         rivals = do_here(enter_opponents, exercise, sandbox)
     print_level(quotas, ["a submission"])

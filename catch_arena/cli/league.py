@@ -66,7 +66,7 @@ def league(
         now = datetime.now(timezone.utc)
         with progress_bar("playing until each has its place") as show:
             league = update_league(
-                folder, rules, cores.number, cores.of, now=now, secret=secret, report=echo, on_progress=show
+                folder, rules, cores.workers, cores.of, now=now, secret=secret, report=echo, on_progress=show
             )
         page = write_site(league)
         echo(f"{league.new_matches} new matches")

@@ -139,7 +139,7 @@ class Processes:
     ] = None
 
     @property
-    def number(self) -> int:
+    def workers(self) -> int:
         """Number of these processes: by default one for each core that this process may use."""
         cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
         return self.jobs or cores
@@ -169,8 +169,8 @@ class Cores(Processes):
         from catch_arena.tournament.execution.ray_executor import RayExecutor
 
         if self.executor == "ray":
-            return RayExecutor(worker, self.number, self.address)
-        return local_executor(worker, self.number)
+            return RayExecutor(worker, self.workers, self.address)
+        return local_executor(worker, self.workers)
 
 
 def refuse(options: Any, needs: str) -> None:

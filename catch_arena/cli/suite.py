@@ -80,13 +80,13 @@ def suite(
             f"--quick: a first look, NOT the protocol, which has {chosen.blocks} blocks; "
             f"intervals (? below) need {FEWEST_BLOCKS} blocks"
         )
-    playing = f"{processes.number} processes" if processes.number > 1 else "one process"
+    playing = f"{processes.workers} processes" if processes.workers > 1 else "one process"
     echo(f"{counted(len(agents), 'agent')}, {total} matches, with {playing}")
 
     with noting_kept_results(f"what was played is kept in {out}; the same command with --resume goes on"):
         for agent, in_scenarios in zip(entered, setups, strict=True):
             with progress_bar(agent.name) as show:
-                play(in_scenarios, processes.number, show)
+                play(in_scenarios, processes.workers, show)
     known = references(chosen)
     measured = [measure(chosen, in_scenarios) for in_scenarios in setups]
     for measures in measured:

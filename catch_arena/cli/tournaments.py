@@ -122,7 +122,7 @@ def tournament(
     if not (out / STORE).exists():
         with own_console(err=True).status("trying some matches"):
             cost = measure_cost(setup.worker, plan)
-        own_console(err=True).print(plan_table(plan, len(entrants), cost, cores.number))
+        own_console(err=True).print(plan_table(plan, len(entrants), cost, cores.workers))
 
     with setup.begin(resume=resume) as store, _watched(out) if watch else nullcontext():
         echo(f"{arena.scenario}: {len(entrants)} agents, {bound}{plan.size} matches, {len(parties)} in each")
@@ -220,7 +220,7 @@ def compare(
             test,
             max_blocks=max_blocks,
             seed=secret,
-            jobs=processes.number,
+            jobs=processes.workers,
             quotas=quotas,
             progress=show_test,
         )

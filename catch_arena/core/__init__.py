@@ -14,8 +14,8 @@ chunks.
 - Views: observations, features (of each body), ranking (order), visibility (limits and noise), prey_views.
 - math, random: functions and random numbers with the same bits on every machine.
 - vectors, transfers: several arenas in one instruction, and numbers moved between arrays.
-- modes: whether the core is compiled, and how. jit, compiler: compilation; compiling: the line that says so. cache,
-  cache_folder: compiled code on the disk. extending: registration of our functions and types with the compiler.
+- modes: whether the core is compiled, and how. jit, compiler: compilation; compiling: the line printed meanwhile.
+  cache, cache_folder: compiled code on the disk. extending: registration of our functions and types with the compiler.
   addresses: the compiler's arrays.
 
 Parameters that have the same meaning in every function; docstrings do not repeat them:

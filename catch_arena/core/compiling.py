@@ -5,7 +5,7 @@ import os
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
-from functools import cache
+from functools import cache, partial
 from typing import Final
 
 from catch_arena.core.cache_folder import CACHE_DIRECTORY, on_miss
@@ -33,10 +33,7 @@ def announced(rules: str, seconds: int) -> Iterator[None]:
     """Print one line if something is compiled in this context, with the garbage collector off: it would scan the
     compiler's many objects again and again. `seconds` is the approximate compile time.
     """
-
-    def announce() -> None:
-        _announce(rules, seconds)
-
+    announce = partial(_announce, rules, seconds)
     if CACHE_DIRECTORY is None and not INTERPRETED:
         announce()
     on_miss.append(announce)

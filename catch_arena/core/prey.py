@@ -28,6 +28,12 @@ def begin_prey(chunk: Rows, s: Settings, lane: int) -> None:
         me[rows.CAUGHT_BY + lane] = rows.NO_SEAT
 
 
+@rule
+def measures_gain(s: Settings, sections: Sections) -> bool:
+    """R12.5: return whether the gain on the nearest hunter has a weight, or the parts are kept."""
+    return s.gained_weight != 0.0 or len(sections.prey_parts) > 0
+
+
 @outlined
 def command_prey(
     chunk: Rows, s: Settings, lanes: int, targets: Rows, commands: NDArray[np.float32], sections: Sections
@@ -55,7 +61,7 @@ def command_prey(
             driven = me[rows.PREY_WITHDRAWN + lane] == 0.0
             targets[rows.BODY + rows.SPEED + at] = speed if driven else 0.0
             targets[rows.BODY + rows.TURN_RATE + at] = turn_rate if driven else 0.0
-            if s.gained_weight != 0.0 or len(sections.prey_parts) > 0:
+            if measures_gain(s, sections):
                 seat = nearest_hunter(chunk, s, lane, targets, at)
                 if seat >= 0:
                     x, y = seat_of(chunk, seat)[rows.X + lane], seat_of(chunk, seat)[rows.Y + lane]

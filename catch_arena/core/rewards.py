@@ -46,7 +46,7 @@ def note_references(chunk: Rows, s: Settings, lanes: int, orders: Orders, target
 
 @outlined
 def renew_references(chunk: Rows, s: Settings, lane: int, targets: Rows, sections: Sections) -> None:
-    """R6.2: note again what parts compare, in one lane that targets have just left: the others count."""
+    """R6.2: note again what parts compare, in one lane that targets have just left: of those that are still alive."""
     if measures_progress(s, sections):
         for seat in range(s.hunters):
             me, reach_um = seat_of(chunk, seat), limits_of(sections.limits, seat).reach_um

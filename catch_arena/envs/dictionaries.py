@@ -132,7 +132,8 @@ class Dictionaries:
         infos: dict[str, dict[str, Any]] = {}
         engine, parts, verdicts = self._engine, self._parts.copy(), self._verdicts.tolist()
         rulings = engine.ruling_rows.astype(np.int64).tolist() if any(verdicts) else ()
-        active, team_scores = engine.active.tolist(), engine.team_scores.tolist()
+        active = engine.active.tolist() if engine.active.size else []
+        team_scores = engine.team_scores.tolist() if self._team_by_seat else []
         for agent, seat, control in self._hunters:
             infos[agent] = info = _USUAL.copy()
             info["reward_parts"] = parts[seat]
