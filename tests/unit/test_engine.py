@@ -150,9 +150,10 @@ def test_prey_is_never_killed_wherever_it_stands_in_the_list(row):
     assert [engine.kill(row, target.number) for target in alive] == [prey is None for prey in played]
 
 
-def test_negative_weights_pay_the_same_whether_or_not_the_parts_are_kept():
+@pytest.mark.parametrize("weight", [1.0, -1.0])
+def test_weights_pay_the_same_whether_or_not_the_parts_are_kept(weight):
     """R6.2, R12.5: progress and gained are measured for the reward too, not only for infos."""
-    weights = {"rewards": {"progress": -1.0}, "prey_rewards": {"gained": -1.0}}
+    weights = {"rewards": {"progress": weight}, "prey_rewards": {"gained": weight}}
     config = scenario("herd").replace(control="target", **weights)
     kept, unkept = Engine(config), Engine(config, with_infos=False)
     for engine in (kept, unkept):
