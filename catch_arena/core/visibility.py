@@ -19,7 +19,7 @@ _SPREAD: Final = 1.7320508075688772
 
 @rule
 def is_seen(dx: float, dy: float, sine: float, cosine: float, reach_um: float, s: Settings) -> bool:
-    """R7.5: return whether a hunter sees a body at `dx`, `dy` [m]: near and in front of it, or within its reach."""
+    """R7.5: return whether a hunter sees a body at `dx`, `dy` [m]: near enough and ahead of it, or within its reach."""
     distance_um = measure_um(dx, dy)
     seen = distance_um < s.view_radius_um
     if s.view_cosine > ALL_ROUND:

@@ -18,7 +18,6 @@ T = TypeVar("T")
 Infos = Literal["full", "mask", "none"]
 """R7.2: content of an env's infos."""
 
-
 _USUAL: Final[dict[str, Any]] = {
     "verdict": NO_REQUEST,
     "target": -1,
